@@ -79,6 +79,8 @@ RUNTIME_HEADERS = (
     "readable.h",
     "resources.h",
     "identity.h",
+    "print_text.h",
+    "traps.h",
     "sealed.h",
     "duration.h",
     "stepper.h",

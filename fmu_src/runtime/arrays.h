@@ -3,6 +3,7 @@
 #ifndef ARRAYS_H
 #define ARRAYS_H
 
+#include "print_text.h"
 #include "status.h"
 #include "variable.h"
 

@@ -49,13 +49,13 @@ double *arrays_read(const char *folder, const char *name, size_t *count, char pr
     }
     const size_t length = strlen(folder) + strlen(name) + 2;
     char *path = (char *)malloc(length);
-    if (path) snprintf(path, length, "%s/%s", folder, name);
+    if (path) print_text(path, length, "%s/%s", folder, name);
     const char *why = NULL;
     FILE *file = path ? resources_open(path, &why) : NULL;
     double *numbers = file ? read_numbers(file, count) : NULL;
     if (file) fclose(file);
     if (!numbers)
-        snprintf(problem, MESSAGE_SIZE, "%.200s/%s %s; build the FMU again.", folder, name, why ? why : "cannot be read");
+        print_text(problem, MESSAGE_SIZE, "%.200s/%s %s; build the FMU again.", folder, name, why ? why : "cannot be read");
     free(path);
     return numbers;
 }
@@ -97,7 +97,7 @@ static kernel_status say(fmu_object *self, kernel_status status, const char *for
 static kernel_status say(fmu_object *self, kernel_status status, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(self->sentence, sizeof self->sentence, format, arguments);
+    print_list(self->sentence, sizeof self->sentence, format, arguments);
     va_end(arguments);
     self->message.status = status;
     self->message.text = self->sentence;
@@ -132,7 +132,7 @@ static kernel_status refuse(fmu_object *self, unsigned variable, size_t element,
     const variable_description *about = &ARRAYS_ABOUT[variable];
     const bool bare = !*about->unit || strcmp(about->unit, "1") == 0;
     char place[32] = "";
-    if (object_length(self, variable) > 1) snprintf(place, sizeof place, "[%zu]", element + 1);
+    if (object_length(self, variable) > 1) print_text(place, sizeof place, "[%zu]", element + 1);
     return say(self, KERNEL_ERROR, "%s%s must be from %g to %g%s%s; got %g.", about->name, place, about->minimum,
                about->maximum, bare ? "" : " ", bare ? "" : about->unit, value);
 }

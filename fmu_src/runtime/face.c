@@ -114,7 +114,7 @@ static char *folder_of(const component *self, const char *resources, char proble
 }
 
 /* Return whether the token is that of the binary, or of data in the folder (NULL: none); false, with one message, if not. */
-static bool is_known(const char *token, const char *folder, char problem[MESSAGE_SIZE]) {
+static bool token_fits(const char *token, const char *folder, char problem[MESSAGE_SIZE]) {
     if (strcmp(token, OBJECT.token()) == 0) return true;
     if (folder) return identity_is(folder, token, OBJECT.token(), problem);
     strcpy(problem, "The identifier of modelDescription.xml is not that of the binary alone. If the FMU has data of its own, give "
@@ -129,7 +129,7 @@ static fmu_object *make_object(const component *self, const char *resources, cha
     if (wrong) strcpy(problem, wrong);
     char *folder = !wrong && resources && *resources ? folder_of(self, resources, problem) : NULL;
     const bool placed = !wrong && (folder || !resources || !*resources);
-    fmu_object *made = placed && is_known(self->token, folder, problem) ? OBJECT.make(folder, self->exchange, problem) : NULL;
+    fmu_object *made = placed && token_fits(self->token, folder, problem) ? OBJECT.make(folder, self->exchange, problem) : NULL;
     free(folder);
     return made;
 }
@@ -140,6 +140,7 @@ static char *copy_of(const char *text) {
 }
 
 component *face_instantiate(const component *log, const char *name, const char *token, const char *resources, int logging) {
+    MASK_TRAPS;
     char problem[MESSAGE_SIZE] = "There is not enough memory for an instance.";
     component *self = (component *)malloc(sizeof *self);
     if (!self) return NULL;
@@ -298,6 +299,17 @@ static bool refuse_fixed(const component *self, const char *name, const char *wh
     return face_error(self, sentence) != KERNEL_OK;
 }
 
+/* Return whether a parameter keeps its values during a run: some hosts set all of them again. */
+static bool keeps_value(const component *self, const place *at, const void *values, size_t behind, face_take *take) {
+    if (at->about->causality != CAUSALITY_PARAMETER || !(self->now & RUNNING)) return false;
+    for (size_t k = 0; k < at->count; ++k) {
+        double now;
+        const double given = take ? take(values, behind + k) : ((const double *)values)[behind + k];
+        if (OBJECT.get(self->object, at->variable, at->first + k, 1, &now) > KERNEL_WARNING || now != given) return false;
+    }
+    return true;
+}
+
 /* Return whether a variable cannot be set now; log the reason. */
 static bool is_fixed(const component *self, const variable_description *about) {
     const char *fixed = why_fixed(about, (self->now & RUNNING) != 0);
@@ -313,7 +325,9 @@ static bool all_settable(component *self, int kind, const unsigned *reference, s
     place at;
     if (face_missing(self, count, reference, reference) || face_missing(self, size, values, values)) return false;
     for (size_t i = 0; i < count; ++i, behind += at.count) {
-        if (!find_within(self, reference[i], kind, false, behind, size, &at) || is_fixed(self, at.about)) return false;
+        if (!find_within(self, reference[i], kind, false, behind, size, &at)) return false;
+        if (keeps_value(self, &at, values, behind, take)) continue;
+        if (is_fixed(self, at.about)) return false;
         const kernel_status status = at_each(self, OBJECT.check, &at, values, behind, take);
         if (status != KERNEL_OK) return !face_report(self, status);
     }
@@ -328,7 +342,7 @@ kernel_status face_set(component *self, int kind, const unsigned *reference, siz
     if (self->now == INITIALISING && count) OBJECT.reopen(self->object);
     for (size_t i = 0, behind = 0; i < count; ++i, behind += at.count) {
         (void)find_place(self, reference[i], kind, false, &at);
-        worst = larger(worst, at_each(self, OBJECT.set, &at, values, behind, take));
+        if (!keeps_value(self, &at, values, behind, take)) worst = larger(worst, at_each(self, OBJECT.set, &at, values, behind, take));
     }
     return face_report(self, worst);
 }
@@ -349,11 +363,19 @@ kernel_status face_get_texts(component *self, const unsigned *reference, size_t 
     return face_report(self, worst);
 }
 
+static bool keeps_text(const component *self, unsigned reference, const char *text) {
+    const char *now = NULL;
+    return self->now & RUNNING && text && OBJECT.get_text(self->object, reference, &now) == KERNEL_OK && now &&
+           strcmp(now, text) == 0;
+}
+
 kernel_status face_set_texts(component *self, const unsigned *reference, size_t count, const char *const *text, size_t size) {
     kernel_status worst = KERNEL_OK;
     if (!are_texts(self, reference, count, text, size)) return KERNEL_ERROR;
     if (self->now == INITIALISING && count) OBJECT.reopen(self->object);
-    for (size_t i = 0; i < count; ++i) worst = larger(worst, OBJECT.set_text(self->object, reference[i], text[i]));
+    for (size_t i = 0; i < count; ++i)
+        if (!keeps_text(self, reference[i], text[i]))
+            worst = larger(worst, OBJECT.set_text(self->object, reference[i], text[i]));
     return face_report(self, worst);
 }
 

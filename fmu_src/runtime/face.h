@@ -4,6 +4,7 @@
 
 #include "object.h"
 #include "resources.h"
+#include "traps.h"
 
 /* STEPPING in co-simulation; CONTINUOUS in model exchange; AT_EVENT, event mode, in either. */
 typedef enum {
@@ -117,6 +118,7 @@ RUNTIME_LOCAL kernel_status face_complete_step(component *self, bool *crossed);
 
 /* STATUS is the type of the standard. */
 #define REQUIRE(instance, phases, function)                                                                                    \
+    MASK_TRAPS;                                                                                                                \
     component *self = (component *)instance;                                                                                   \
     if (!face_legal(self, phases, function)) return (STATUS)KERNEL_ERROR
 

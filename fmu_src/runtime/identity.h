@@ -20,23 +20,25 @@ static inline unsigned long identity_sum(unsigned long sum, const unsigned char 
     return sum ^ 0xFFFFFFFFUL;
 }
 
-/* Open a file of the folder; NULL if it cannot be read. */
-static inline FILE *identity_open(const char *folder, const char *name) {
-    const char *why;
+/* Open a file of the folder; NULL, and why, if it cannot be read. */
+static inline FILE *identity_open(const char *folder, const char *name, const char **why) {
+    *why = "cannot be opened";
     char *path = (char *)malloc(strlen(folder) + strlen(name) + 2);
     if (!path) return NULL;
     strcat(strcat(strcpy(path, folder), "/"), name);
-    FILE *file = resources_open(path, &why);
+    FILE *file = resources_open(path, why);
     free(path);
     return file;
 }
 
-/* Return whether a file is there with this size and sum. */
-static inline bool identity_holds(const char *folder, const char *name, unsigned long size, unsigned long sum) {
+/* Return whether a file is there with this size and sum; false, and why, if not. */
+static inline bool identity_holds(const char *folder, const char *name, unsigned long size, unsigned long sum,
+                                  const char **why) {
     unsigned char bytes[4096];
     unsigned long found = 0, length = 0;
     size_t count;
-    FILE *file = identity_open(folder, name);
+    FILE *file = identity_open(folder, name, why);
+    if (!*why) *why = file ? "was changed after the FMU was built" : "is missing";
     if (!file) return false;
     while ((count = fread(bytes, 1, sizeof bytes, file)) > 0) {
         found = identity_sum(found, bytes, count);
@@ -62,11 +64,9 @@ static inline bool identity_agrees(char *row, const char *folder, const char *to
         return false;
     }
     const unsigned long size = strtoul(value, &value, 10), sum = *value == ',' ? strtoul(value + 1, NULL, 16) : 0;
-    if (identity_holds(folder, name, size, sum)) return true;
-    snprintf(problem, RESOURCES_PROBLEM,
-             "resources/%.60s is missing, or was changed after the FMU was built. Unpack the FMU again, or build it with the "
-             "new file.",
-             name);
+    const char *why;
+    if (identity_holds(folder, name, size, sum, &why)) return true;
+    snprintf(problem, RESOURCES_PROBLEM, "resources/%.60s %s. Unpack the FMU again, or build it with the new file.", name, why);
     return false;
 }
 
@@ -75,12 +75,12 @@ static inline bool identity_is(const char *folder, const char *token, const char
     char row[IDENTITY_ROW];
     int tokens = 0;
     bool good = true;
-    FILE *file = identity_open(folder, "identity.csv");
+    const char *why;
+    FILE *file = identity_open(folder, "identity.csv", &why);
     if (!file) {
         snprintf(problem, RESOURCES_PROBLEM,
-                 "This FMU has data of its own, and %.120s holds none of it: no identity.csv. Give the folder resources of the "
-                 "unpacked FMU.",
-                 folder);
+                 "This FMU has data of its own, but identity.csv %s in %.120s. Give the folder resources of the unpacked FMU.",
+                 why ? why : "is missing", folder);
         return false;
     }
     while (good && fgets(row, sizeof row, file)) {

@@ -39,7 +39,7 @@ static void add_text(char text[MESSAGE_SIZE], const char *format, ...) {
     const size_t used = strlen(text);
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text + used, MESSAGE_SIZE - used, format, arguments);
+    print_list(text + used, MESSAGE_SIZE - used, format, arguments);
     va_end(arguments);
 }
 
@@ -85,7 +85,7 @@ static kernel_status check_relations(kernel *self) {
             sum += relation->factor[term] * self->run.value[relation->variable[term]];
         if (sum > 0.0) continue;
         char lacks[TIME_TEXT];
-        snprintf(lacks, sizeof lacks, "%.4g", -sum);
+        print_text(lacks, sizeof lacks, "%.4g", -sum);
         return kernel_say_when(self, KERNEL_ERROR, relation->sentence, lacks);
     }
     return KERNEL_OK;

@@ -41,7 +41,7 @@ static void note(message_log *kept, kernel_status status, const char *sentence) 
 }
 
 static void write_sentence(char text[MESSAGE_SIZE], const char *format, va_list arguments) {
-    if (vsnprintf(text, MESSAGE_SIZE, format, arguments) >= MESSAGE_SIZE) mark_cut(text);
+    if (print_list(text, MESSAGE_SIZE, format, arguments) >= MESSAGE_SIZE) mark_cut(text);
     make_readable(text);
 }
 
@@ -88,7 +88,7 @@ void kernel_take_back(kernel *self, unsigned long long noted) {
 bool kernel_hear(kernel *self, kernel_sentence *heard) {
     message_log *kept = &self->messages;
     if (kept->lost) {
-        snprintf(kept->loss, sizeof kept->loss, "%llu earlier messages were lost: they were not read.", kept->lost);
+        print_text(kept->loss, sizeof kept->loss, "%llu earlier messages were lost: they were not read.", kept->lost);
         kept->lost = 0;
         heard->status = KERNEL_WARNING;
         heard->text = kept->loss;

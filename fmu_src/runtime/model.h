@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "print_text.h"
 #include "variable.h"
 
 /* Arguments of every generated function, in this order. */

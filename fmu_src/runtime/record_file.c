@@ -36,15 +36,15 @@ static bool refuse_record(record_reader *self, const char *format, ...) {
     const record_file_description *about = MODEL.record_file;
     const int length = (int)strlen(self->path), room = PROBLEM_SIZE - 2;
     const char *path = self->path + (length > END_OF_PATH ? length - END_OF_PATH : 0);
-    int used = snprintf(self->problem, (size_t)room, "%c%s %s%s", toupper(*about->noun), about->noun + 1,
+    int used = print_text(self->problem, (size_t)room, "%c%s %s%s", toupper(*about->noun), about->noun + 1,
                         length > END_OF_PATH ? "..." : "", path);
-    if (self->rows.number) used += snprintf(self->problem + used, (size_t)(room - used), ", row %d", self->rows.number);
-    used += snprintf(self->problem + used, (size_t)(room - used), ": ");
+    if (self->rows.number) used += print_text(self->problem + used, (size_t)(room - used), ", row %d", self->rows.number);
+    used += print_text(self->problem + used, (size_t)(room - used), ": ");
     va_list arguments;
     va_start(arguments, format);
-    used += vsnprintf(self->problem + used, (size_t)(room - used), format, arguments);
+    used += print_list(self->problem + used, (size_t)(room - used), format, arguments);
     va_end(arguments);
-    if (used < room) snprintf(self->problem + used, (size_t)(room - used), ". %s.", about->remedy);
+    if (used < room) print_text(self->problem + used, (size_t)(room - used), ". %s.", about->remedy);
     return false;
 }
 
@@ -214,7 +214,7 @@ static bool read_root(record_reader *self) {
     record *root = (record *)keep(self, 1, sizeof *root);
     if (!root || !read_record(self, 0, root)) return false;
     char sum[20];
-    snprintf(sum, sizeof sum, "%016llx", self->mark);
+    print_text(sum, sizeof sum, "%016llx", self->mark);
     if (!named_cells(self, "checksum", 1)) return false;
     if (strcmp(self->cell[1], sum) != 0)
         return refuse_record(self, "the checksum must be %s, that of the numbers above; got '%.*s'", sum, QUOTED_CELL,
@@ -236,7 +236,7 @@ static bool read_all(record_reader *self) {
 static bool refuse_path(record_reader *self, const char *why) {
     const int length = (int)strlen(self->path);
     const char *noun = MODEL.record_file->noun;
-    snprintf(self->problem, PROBLEM_SIZE, "%c%s %s%s: %s. Give the path of a file that can be read.", toupper(*noun), noun + 1,
+    print_text(self->problem, PROBLEM_SIZE, "%c%s %s%s: %s. Give the path of a file that can be read.", toupper(*noun), noun + 1,
              length > END_OF_PATH ? "..." : "", self->path + (length > END_OF_PATH ? length - END_OF_PATH : 0), why);
     return false;
 }
@@ -256,7 +256,7 @@ static bool check_roots(const record_reader *self) {
     const record_file_description *about = MODEL.record_file;
     const int roots = self->made->roots;
     if (roots == 1 || roots == about->roots || about->roots == 0) return true;
-    snprintf(self->problem, PROBLEM_SIZE, "%s must name one %s for all %ss or one for each, %d; got %d. Correct it.",
+    print_text(self->problem, PROBLEM_SIZE, "%s must name one %s for all %ss or one for each, %d; got %d. Correct it.",
              MODEL.variable[about->variable].name, about->noun, about->owner, about->roots, roots);
     return false;
 }

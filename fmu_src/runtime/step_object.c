@@ -80,7 +80,7 @@ static bool ask(arrays_object *self, double time, char problem[MESSAGE_SIZE]) {
     STEP(memory_of(self), time, self->now->value, answer);
     for (int i = 0; i < OUTPUTS; ++i)
         if (answer[i] < LEAST || answer[i] > MOST) {
-            snprintf(problem, MESSAGE_SIZE,
+            print_text(problem, MESSAGE_SIZE,
                      "The controller gave %d for output %d at %g s where %d to %d was due; its outputs are %d from now on.",
                      answer[i], i + 1, time, LEAST, MOST, SAFE);
             return false;
@@ -96,7 +96,7 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
     for (int i = 0; i < INPUTS; ++i)
         if (!isfinite(now->value[i])) {
             make_safe(self);
-            snprintf(problem, MESSAGE_SIZE, "Input %d must be a finite number; got %g at %g s. The outputs are %d.", i + 1,
+            print_text(problem, MESSAGE_SIZE, "Input %d must be a finite number; got %g at %g s. The outputs are %d.", i + 1,
                      now->value[i], time, SAFE);
             return KERNEL_WARNING;
         }

@@ -43,13 +43,13 @@ static bool refuse_file(reader *self, const char *format, ...) {
     const int room = PROBLEM_SIZE - 2, length = (int)strlen(self->path), number = self->rows.number;
     const char *noun = MODEL.table_file->noun, *dots = length > SHOWN_PATH ? "..." : "";
     const char *path = self->path + (length > SHOWN_PATH ? length - SHOWN_PATH : 0);
-    int used = snprintf(self->problem, (size_t)room, "%c%s %s%s", toupper(*noun), noun + 1, dots, path);
-    if (number) used += snprintf(self->problem + used, (size_t)(room - used), ", row %d", number);
-    if (self->in) used += snprintf(self->problem + used, (size_t)(room - used), ", column %s", self->in);
-    used += snprintf(self->problem + used, (size_t)(room - used), ": ");
+    int used = print_text(self->problem, (size_t)room, "%c%s %s%s", toupper(*noun), noun + 1, dots, path);
+    if (number) used += print_text(self->problem + used, (size_t)(room - used), ", row %d", number);
+    if (self->in) used += print_text(self->problem + used, (size_t)(room - used), ", column %s", self->in);
+    used += print_text(self->problem + used, (size_t)(room - used), ": ");
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(self->problem + used, (size_t)(room - used), format, arguments);
+    print_list(self->problem + used, (size_t)(room - used), format, arguments);
     va_end(arguments);
     strcat(self->problem, ".");
     return false;
@@ -153,7 +153,7 @@ static bool find_factor(reader *self, const char *unit, cell_place *place) {
         place->denominator = one->denominator;
         if (strcmp(unit, one->name) == 0) return true;
         const size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", one->name);
+        print_text(known + used, sizeof known - used, "%s%s", i ? ", " : "", one->name);
     }
     return refuse_file(self, "the unit '%.*s' of %s is unknown. Use %s; none means %s", QUOTED, unit, column->name, known,
                        *column->unit ? column->unit : "1");

@@ -20,7 +20,7 @@ const char *kernel_name_of_table_file(void) {
 /* Return the unit with a blank before it; empty for pure numbers. */
 static const char *after_number(const variable_description *variable, char text[32]) {
     const bool pure = strcmp(variable->unit, "1") == 0;
-    snprintf(text, 32, "%s%s", pure ? "" : " ", pure ? "" : variable->unit);
+    print_text(text, 32, "%s%s", pure ? "" : " ", pure ? "" : variable->unit);
     return text;
 }
 
@@ -35,12 +35,12 @@ static const char *likely_unit(const variable_description *variable, double valu
         const char *unit, *usual;
         double up, down;
     } USUAL[] = {{"m/s", "km/h", 1.0, 3.6}, {"m", "mm", 1.0, 1e3}, {"kg", "t", 1e3, 1.0}, {"Pa", "bar", 1e5, 1.0}};
-    snprintf(text, 120, ".");
+    print_text(text, 120, ".");
     for (size_t i = 0; i < sizeof USUAL / sizeof *USUAL; ++i) {
         const double own = value * USUAL[i].up / USUAL[i].down;
         if (strcmp(variable->unit, USUAL[i].unit) != 0 || value == 0.0) continue;
         if (own < variable->minimum || own > variable->maximum) continue;
-        snprintf(text, 120, ". Did you mean %.6g %s = %.4g %s?", value, USUAL[i].usual, own, USUAL[i].unit);
+        print_text(text, 120, ". Did you mean %.6g %s = %.4g %s?", value, USUAL[i].usual, own, USUAL[i].unit);
     }
     return text;
 }
@@ -87,7 +87,7 @@ kernel_status kernel_warn_of_small_pressure(kernel *self, int variable) {
 static bool add_name(char *names, size_t size, const char *before, const char *name) {
     const size_t length = strlen(names);
     if (length + strlen(before) + strlen(name) >= size) return false;
-    snprintf(names + length, size - length, "%s%s", before, name);
+    print_text(names + length, size - length, "%s%s", before, name);
     return true;
 }
 
@@ -102,7 +102,7 @@ kernel_status kernel_warn_of_idle_parameters(kernel *self) {
         ++count;
     }
     if (count == 0) return KERNEL_OK;
-    if (left) snprintf(others, sizeof others, " and %d more", left);
+    if (left) print_text(others, sizeof others, " and %d more", left);
     for (int i = 0; i < MODEL.selectors; ++i)
         (void)add_name(selectors, sizeof selectors, i ? " or " : "; choose another ", MODEL.variable[MODEL.selector[i]].name);
     return kernel_fail(self, KERNEL_WARNING,

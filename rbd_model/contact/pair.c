@@ -5,7 +5,7 @@ static bool check_record(int kind, const double *number, char *problem, size_t s
     if (kind == KIND_PATCH) {
         const double cosine = number[NUMBER_PATCH_COSINE], sine = number[NUMBER_PATCH_SINE];
         if (fabs(cosine * cosine + sine * sine - 1.0) <= UNIT) return true;
-        snprintf(problem, size, "cosine and sine above must be those of one angle; got %g and %g", cosine, sine);
+        print_text(problem, size, "cosine and sine above must be those of one angle; got %g and %g", cosine, sine);
         return false;
     }
     if (kind != KIND_SIDE) return true;
@@ -14,7 +14,7 @@ static bool check_record(int kind, const double *number, char *problem, size_t s
     for (int i = 0; i < 2; ++i) {
         const char *word = i ? "rail" : "wheel";
         if (begins[i] < ends[i]) continue;
-        snprintf(problem, size, "%s_begins above must be below %s_ends; got %g and %g", word, word, begins[i], ends[i]);
+        print_text(problem, size, "%s_begins above must be below %s_ends; got %g and %g", word, word, begins[i], ends[i]);
         return false;
     }
     return true;

@@ -13,7 +13,7 @@ static int parts_before(const table_file *self, int row, char *problem, size_t s
     const double way = at[row] - at[row - 1], one = fabs(curvature[row - 1]), other = fabs(curvature[row]);
     const double turn = (one + other) / 2.0 * way;
     if (turn <= WHOLE_TURN) return (int)fmax(ceil(fmax(one, other) * way / LARGEST_TURN), 1.0);
-    snprintf(problem, size,
+    print_text(problem, size,
              "the line turns by %.3g rad over the %.6g m from the row before; give rows between, for %g rad at most", turn, way,
              WHOLE_TURN);
     return 0;

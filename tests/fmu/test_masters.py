@@ -140,7 +140,9 @@ def test_start_values_are_read_as_all_tables_are(fmus: dict, tmp_path: Path) -> 
     path = tmp_path / "Brake.fmu"
     shutil.copyfile(fmus["brake", "native"], path)
     with zipfile.ZipFile(path, "a") as archive:
-        archive.writestr(FILE, '\ufeff# by hand\r\n\r\npressure_demand; 180000,5 \r\n;\r\n"valve";1;\r\n'.encode())
+        archive.writestr(
+            f"resources/{FILE}", '\ufeff# by hand\r\n\r\npressure_demand; 180000,5 \r\n;\r\n"valve";1;\r\n'.encode()
+        )
     with host(path) as brake:
         assert brake["pressure_demand"] == 180000.5
 
@@ -152,7 +154,7 @@ def test_start_values_that_are_none_leave_no_instance(fmus: dict, tmp_path: Path
     path = tmp_path / "Brake.fmu"
     shutil.copyfile(fmus["brake", "native"], path)
     with zipfile.ZipFile(path, "a") as archive:
-        archive.writestr(FILE, f"{row}\n")
+        archive.writestr(f"resources/{FILE}", f"{row}\n")
     with pytest.raises(CosimulationError, match=r"start_values\.csv, row 1: |pressure_demand must be at least 0 Pa"):
         FmuInstance(path)
 

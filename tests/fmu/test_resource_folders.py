@@ -58,13 +58,13 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], Path
 class Opened:
     """An instance of an FMU that receives `words` as its resource folder; `said` holds its messages."""
 
-    def __init__(self, path: Path, folder: Path, words: str) -> None:
+    def __init__(self, path: Path, folder: Path, words: str | None) -> None:
         about = read_model_description(str(path))
         given = {"guid": about.guid, "modelIdentifier": about.coSimulation.modelIdentifier}
         self.said: list[str] = []
         self.refs = {one.name: one.valueReference for one in about.modelVariables}
         self.three = about.fmiVersion == "3.0"
-        names = (b"one", about.guid.encode(), os.fsencode(words))
+        names = (b"one", about.guid.encode(), None if words is None else os.fsencode(words))
         self.fmu = (FMU3Slave if self.three else FMU2Slave)(**given, unzipDirectory=str(folder), instanceName="one")
         if self.three:
             self.listen3 = fmi3LogMessageCallback(lambda e, s, c, text: self.said.append(text.decode()))
@@ -123,7 +123,7 @@ def found(path: Path, folder: Path, words: str) -> None:
             assert one["shown"] == pytest.approx(CURVATURE)
 
 
-def refused(path: Path, folder: Path, words: str) -> str:
+def refused(path: Path, folder: Path, words: str | None) -> str:
     """Check that no instance is made; return the only error message."""
     with Opened(path, folder, words) as one:
         assert not one.component

@@ -29,6 +29,7 @@ from products.train.library import functions
 from products.train.numbers import Settings, numbers_of
 from products.train.train import Train
 from rbd_model.track.line import Line
+from tests.fmu.hosting import sign
 from tests.fmu.objects import OBJECTS
 from tests.fmu.sanitized import HEADERS, run
 
@@ -282,7 +283,7 @@ def test_archives_of_two_trains_differ_in_their_description_and_numbers_alone(
             contents.append({one: archive.read(one) for one in archive.namelist()})
     assert contents[0].keys() == contents[1].keys()
     differing = {one for one in contents[0] if contents[0][one] != contents[1][one]}
-    assert differing == {"modelDescription.xml", "resources/train.bin"}
+    assert differing == {"modelDescription.xml", "resources/identity.csv", "resources/train.bin"}
 
 
 @pytest.mark.parametrize("name", CONSISTS)
@@ -453,7 +454,7 @@ def number_at(group: str, name: str, value: float) -> Callable[[Path], None]:
 
 
 DAMAGES: dict[str, tuple[Callable[[Path], None], str]] = {
-    "missing": (lambda path: path.unlink(), "train.bin cannot be read; build the FMU again."),
+    "missing": (lambda path: path.unlink(), "resources/train.bin is missing."),
     "empty": (lambda path: path.write_bytes(b""), "train.bin cannot be read; build the FMU again."),
     "odd": (lambda path: path.write_bytes(path.read_bytes()[:-3]), "train.bin cannot be read; build the FMU again."),
     "truncated": (lambda path: path.write_bytes(path.read_bytes()[:-8]), "is damaged, its length cannot be"),
@@ -525,12 +526,14 @@ def test_a_damaged_consist_gives_no_instance_and_one_sentence(
     with zipfile.ZipFile(path) as archive:
         archive.extractall(tmp_path)
     change(tmp_path / "resources" / "train.bin")
+    if damage != "missing":
+        sign(tmp_path / "resources", "train.bin")
     face = face_of(read_model_description(str(path)), str(tmp_path), "train", said.append)
     with pytest.raises(Exception, match="Failed to instantiate"):
         face.instantiate()
     [sentence] = said
     assert words in sentence
-    assert sentence.endswith("build the FMU again.")
+    assert sentence.endswith("build the FMU again." if damage != "missing" else "build it with the new file.")
 
 
 # ---- sanitizers --------------------------------------------------------------------------------------------------

@@ -43,9 +43,9 @@ arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE]) {
     const char *wrong = train_wrong(numbers, (long long int)count);
     arrays_object *self = wrong ? NULL : create(numbers, (long long int)count);
     if (wrong)
-        snprintf(problem, MESSAGE_SIZE, "The consist %.200s/train.bin is damaged, %s cannot be; build the FMU again.", folder,
+        print_text(problem, MESSAGE_SIZE, "The consist %.200s/train.bin is damaged, %s cannot be; build the FMU again.", folder,
                  wrong);
-    else if (!self) snprintf(problem, MESSAGE_SIZE, "There is no memory for the train.");
+    else if (!self) print_text(problem, MESSAGE_SIZE, "There is no memory for the train.");
     free(numbers);
     return self;
 }
@@ -115,14 +115,14 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
     long long int element;
     const int wrong = train_input_wrong(self->own, &element);
     if (wrong >= 0) {
-        snprintf(
+        print_text(
             problem, MESSAGE_SIZE,
             "%s[%lld] must be possible at its place; got %g. A cell of the pipe that spans vehicles has no cock and no hose.",
             ARRAYS_ABOUT[FIRST_INPUT + wrong].name, element + 1, values_of(self, FIRST_INPUT + wrong)[element]);
         return KERNEL_DISCARD;
     }
     if (train_go(self->own, step)) {
-        snprintf(problem, MESSAGE_SIZE,
+        print_text(problem, MESSAGE_SIZE,
                  "The step of %g s at %g s has no finite solution. The train stays at its start. Check the inputs, or take "
                  "a shorter step.",
                  time, step);
