@@ -13,6 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
 KILOMETRES_PER_HOUR = 3.6
 #: Limits of the conversion model (SUBSET-026): percentages [%] and the highest speed [m/s] for which it is valid.
 LEAST_PERCENTAGE, MOST_PERCENTAGE, MOST_SPEED = 30.0, 250.0, 200.0 / KILOMETRES_PER_HOUR
@@ -281,3 +285,50 @@ def force_of_percentage(percentage: float, turning_mass: float, assessment: Asse
     """
     _above_zero("mass", turning_mass, "kg", "give that of the vehicle with its load and its rotating masses")
     return turning_mass * mean_deceleration(assessment.speed, distance_of_vehicle(percentage, assessment))
+
+
+#: Speeds from rest to that of the assessment [m/s].
+SPEEDS = np.linspace(0.0, FROM_100.speed, 401)
+
+
+def braking_way(force: NDArray[np.float64], turning_mass: float, resistance: Sequence[float]) -> float:
+    """Return the braking distance [m], int m v / F dv (EN 14531-1).
+
+    F: forces at SPEEDS [N] and a resistance a + b v + c v^2.
+    """
+    a, b, c = resistance
+    whole = force + a + b * SPEEDS + c * SPEEDS**2
+    return float(np.trapezoid(turning_mass * SPEEDS / whole, SPEEDS))
+
+
+def check_percentage(percentage: float, turning_mass: float, resistance: Sequence[float]) -> None:
+    """Check that a brake is needed for a percentage [%]: 1e-3 of the mean force at least. Raises ValueError."""
+    mean = force_of_percentage(percentage, turning_mass, FROM_100)
+    way = turning_mass * FROM_100.speed**2 / (2 * mean)
+    if braking_way(np.full(SPEEDS.size, 1e-3 * mean), turning_mass, resistance) <= way:
+        raise ValueError(
+            f"lambda must be above that of the running resistance alone; got {percentage:g} %, and the resistance stops"
+            " the vehicle in a shorter distance. Increase lambda, or decrease the resistance."
+        )
+
+
+def force_beside(resistance: Sequence[float], percentage: float, turning_mass: float) -> float:
+    """Return the constant force [N] that gives a vehicle a brake weight percentage [%] beside its resistance.
+
+    A percentage is assessed by a stopping distance from 100 km/h, to which the running resistance a + b v + c v^2
+    belongs (UIC 544-1). turning_mass [kg]: with that of the rotation.
+
+    Raises
+    ------
+    ValueError
+        If the resistance alone stops the vehicle earlier.
+    """
+    mean = force_of_percentage(percentage, turning_mass, FROM_100)
+    way = turning_mass * FROM_100.speed**2 / (2 * mean)
+
+    def too_long(force: float) -> float:
+        return braking_way(np.full(SPEEDS.size, force), turning_mass, resistance) - way
+
+    check_percentage(percentage, turning_mass, resistance)
+    least = 0.2 * mean if too_long(0.2 * mean) > 0.0 else 1e-3 * mean
+    return float(brentq(too_long, least, 1.001 * mean))

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
-from brake_controller.brake_weight import FROM_120, force_of_percentage
+from brake_controller.brake_weight import force_beside
 from brake_controller.discs import MEAN_PAD_FRICTION, DiscParameters, axle_discs
 from brake_controller.parameters import qr30
 from brake_controller.shoe_friction import CAST_IRON_P6, CAST_IRON_P10, COMPOSITE, COMPOSITE_BY_FORCE, CONSTANT
 from products.braked_vehicle import TIMED, TIMED_DISCS
 from products.machine import APPLICATION_TIME, FULL_PRESSURE, RELEASE_TIME, coach_brake, of_pads
+from products.train.columns import NUMBERS
+from products.train.stated import CYLINDER
 from products.vehicle_entries import Entry, choice_of, number_of
 
 #: Friction laws of shoes by their names in a file, which are those of consists; and by their older names.
@@ -29,26 +31,41 @@ FRICTION_LAWS = {
 OLDER_LAWS = {"cast-iron": "cast-iron-p6"}
 #: Mean friction of shoes if the file gives none: that of the built-in coach.
 SHOE_FRICTION = 0.25
+#: Gauge pressure at which a cylinder counts as released [Pa] (UIC 540).
+RELEASED = 40e3
 #: Speed from which pads on cold discs have the stated friction on average over the distance [m/s].
 ASSESSED = 120.0 / 3.6
 #: Entries that state the brake; a file has those of one line.
 STATEMENTS = (("deceleration",), ("percentage",), ("force",), ("cylinder_diameter", "cylinders", "rigging_ratio"))
+#: Unit of a column of consists -> SI.
+_SCALE = {"1": 1.0, "%": 1.0, "s": 1.0, "N": 1.0, "m/s2": 1.0, "mm": 1e-3, "kN": 1e3, "bar": 1e5}
+
+
+def _as_in_consists(column: str, unit: str, text: str, whole: bool = False) -> Entry:
+    """Return an entry with the limits of a column of consists, which states the same in its own unit."""
+    given, least, most = NUMBERS[column]
+    scale = _SCALE[given]
+    return Entry(unit, scale * least, scale * most, text, whole=whole)
+
+
 BRAKE_ENTRIES: Mapping[str, Entry] = {
-    "deceleration": Entry("m/s2", 0.01, 5.0, "of the full brake on a dry rail, after build-up"),
-    "percentage": Entry("%", 5.0, 300.0, "or lambda: brake weight percentage (EN 16834, from 120 km/h)"),
-    "force": Entry("N", 1.0, 1e7, "of the full brake at the rims of all wheelsets"),
-    "cylinder_diameter": Entry("m", 0.01, 1.0, "of each cylinder"),
-    "cylinders": Entry("1", 1, 48, "cylinders of the vehicle", whole=True),
-    "rigging_ratio": Entry("1", 0.1, 100.0, "force of all shoes or pads over the force of their cylinder"),
-    "rigging_efficiency": Entry("1", 0.01, 1.0, "effective over calculated force"),
-    "return_force": Entry("N", 0.0, 1e5, "of the return spring at each piston"),
-    "friction": Entry("1", 0.01, 1.0, "mean friction of shoes or pads"),
+    "deceleration": _as_in_consists("deceleration", "m/s2", "of the full brake on a dry rail, after build-up"),
+    "percentage": _as_in_consists("lambda", "%", "or lambda: brake weight percentage (UIC 544-1, from 100 km/h)"),
+    "force": _as_in_consists("brake_force", "N", "of the full brake at the rims of all wheelsets"),
+    "cylinder_diameter": _as_in_consists("cylinder_diameter", "m", "of each cylinder"),
+    "cylinders": _as_in_consists("cylinders", "1", "cylinders of the vehicle", whole=True),
+    "rigging_ratio": _as_in_consists(
+        "rigging_ratio", "1", "force of all shoes or pads over the force of their cylinder"
+    ),
+    "rigging_efficiency": _as_in_consists("rigging_efficiency", "1", "effective over calculated force"),
+    "return_force": _as_in_consists("return_force", "N", "of the return spring at each piston"),
+    "friction": _as_in_consists("friction_value", "1", "mean friction of shoes or pads"),
     "friction_law": Entry("1", 0, 0, f"of shoes: {', '.join(FRICTION_LAWS)}"),
-    "shoes": Entry("1", 1, 16, "shoes on each wheelset", whole=True),
+    "shoes": Entry("1", 1, 16, "shoes on each wheelset; consists count those of the vehicle", whole=True),
     "friction_radius": Entry("m", 0.01, 1.0, "radius at which pads rub"),
-    "full_pressure": Entry("Pa", 1e3, 1e6, "of the cylinders at full brake"),
-    "application_time": Entry("s", 0.01, 120.0, "from 0 to 95 % of the full pressure"),
-    "release_time": Entry("s", 0.01, 120.0, "from the full pressure to 5 % of it"),
+    "full_pressure": _as_in_consists("full_pressure", "Pa", "of the cylinders at full brake"),
+    "application_time": _as_in_consists("fill_time", "s", "from 0 to 95 % of the full pressure"),
+    "release_time": _as_in_consists("release_time", "s", "from the full pressure to 0.4 bar (UIC 540)"),
 }
 #: Entries of the rigging, which only cylinder data use, and those of one kind of brake alone.
 OF_RIGGING = ("rigging_efficiency", "return_force")
@@ -82,7 +99,13 @@ def with_entry_names(table: Mapping[str, Any]) -> dict[str, Any]:
     return {"percentage" if key == "lambda" else key: value for key, value in table.items()}
 
 
-def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, radius: float) -> SheetBrake:
+def brake_of_sheet(
+    table: Mapping[str, Any],
+    turning_mass: float,
+    axles: int,
+    radius: float,
+    resistance: Sequence[float] = (0.0, 0.0, 0.0),
+) -> SheetBrake:
     """Return the brake of each wheelset from the table [brake] of a file.
 
     Parameters
@@ -95,6 +118,8 @@ def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, ra
         Number of braked wheelsets.
     radius : float
         Radius of the wheels [m].
+    resistance : sequence of float
+        Running resistance a + b v + c v^2 of the vehicle, which belongs to a brake weight percentage [SI].
 
     Raises
     ------
@@ -117,8 +142,12 @@ def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, ra
     pressure = given.get("full_pressure", FULL_PRESSURE)
     arm = given.get("friction_radius", axle_discs().friction_radius) if acts_on == "discs" else radius
     friction = given.get("friction", MEAN_PAD_FRICTION if acts_on == "discs" else SHOE_FRICTION)
-    rigging = _rigging(given, stated, pressure, axles, friction * arm, _force(given, stated, turning_mass) * radius)
-    timed = {key: given.get(key, start) for key, start in _times().items()}
+    force = _force(given, stated, turning_mass, resistance)
+    rigging = _rigging(given, stated, pressure, axles, friction * arm, force * radius)
+    timed = {
+        "application_time": given.get("application_time", APPLICATION_TIME),
+        "release_time": _to_5_percent(given["release_time"], pressure) if "release_time" in given else RELEASE_TIME,
+    }
     values = rigging | timed | {"supply_pressure": pressure}
     if acts_on == "discs":
         values |= _on_discs(rigging, friction, arm, radius, turning_mass / axles)
@@ -130,8 +159,9 @@ def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, ra
     return SheetBrake(acts_on, values, pressure, torque, lasts, _assumed(table, acts_on, stated), dict(table))
 
 
-def _times() -> dict[str, float]:
-    return {"application_time": APPLICATION_TIME, "release_time": RELEASE_TIME}
+def _to_5_percent(release_time: float, pressure: float) -> float:
+    """Return the time from a full pressure [Pa] to 5 % of it [s] of the exponential fall that ends at 0.4 bar."""
+    return release_time * math.log(20.0) / math.log(max(pressure / RELEASED, math.e))
 
 
 def _statement(given: Mapping[str, float]) -> tuple[str, ...]:
@@ -156,12 +186,14 @@ def _law(table: Mapping[str, Any], acts_on: str) -> int:
     return FRICTION_LAWS[name]
 
 
-def _force(given: Mapping[str, float], stated: tuple[str, ...], turning_mass: float) -> float:
+def _force(
+    given: Mapping[str, float], stated: tuple[str, ...], turning_mass: float, resistance: Sequence[float]
+) -> float:
     """Return the force at all rims [N]; 0 with cylinder data, which give it by themselves."""
     if stated == ("deceleration",):
         return given["deceleration"] * turning_mass
     if stated == ("percentage",):
-        return force_of_percentage(given["percentage"], turning_mass, FROM_120)
+        return force_beside(resistance, given["percentage"], turning_mass)
     return given.get("force", 0.0)
 
 
@@ -174,7 +206,7 @@ def _rigging(
     """
     if stated[0] == "cylinder_diameter":
         area = math.pi / 4 * given["cylinder_diameter"] ** 2
-        spring = given.get("return_force", 0.0)
+        spring = given.get("return_force", CYLINDER["return_force"])
         if not pressure * area > spring:
             raise ValueError(
                 f"[brake] return_force must be below full_pressure times the piston's area, {pressure * area:.4g} N;"
@@ -184,7 +216,7 @@ def _rigging(
             "wheelset_share": 1.0,
             "force_per_pressure": given["cylinders"] / axles * area * given["rigging_ratio"],
             "touch_pressure": spring / area,
-            "rigging_efficiency": given.get("rigging_efficiency", qr30().rigging_efficiency),
+            "rigging_efficiency": given.get("rigging_efficiency", CYLINDER["rigging_efficiency"]),
         }
     usual = qr30()
     effective = usual.rigging_efficiency * lever * pressure
@@ -265,8 +297,8 @@ def _assumed(table: Mapping[str, Any], acts_on: str, stated: tuple[str, ...]) ->
     elif "friction_law" not in table:
         usual["friction"] = f"{SHOE_FRICTION:g}, constant, as the built-in coach"
     if stated[0] == "cylinder_diameter":
-        usual["rigging_efficiency"] = f"{qr30().rigging_efficiency:g}, section 6.2.3"
-        usual["return_force"] = "0 N"
+        usual["rigging_efficiency"] = f"{CYLINDER['rigging_efficiency']:g}, as in consists"
+        usual["return_force"] = f"{CYLINDER['return_force']:g} N, as in consists"
     found = {f"[brake] {key}": text for key, text in usual.items() if key not in table}
     if table.get("friction_law") == "composite":
         found["[brake] friction_law"] = "composite over force and speed, as in consists; once it meant composite-k"

@@ -24,6 +24,7 @@ from products.vehicle_entries import (
 from products.vehicle_tables import FORCE_TABLES, ForceTable, force_tables, with_force_tables
 from rbd_model.contact.geometry import synthetic_pair
 from rbd_model.contact.pair_file import read_pairs
+from rbd_model.train.vehicle import GRAVITY
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.parameters import BogieParameters, VehicleParameters
 from rbd_model.vehicle.ready import four_axle_vehicle, six_axle_vehicle, two_axle_bogie
@@ -205,7 +206,7 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
     profiles = _profile_files(read.get("profile_file", []))
     given = {key: number_of(ENTRIES[key], value, key) for key, value in read.items() if key in ENTRIES}
     given.pop("axles", None)
-    base = LIKE[like][1]()
+    base = replace(LIKE[like][1](), gravity=GRAVITY)  # as in consists; the thesis and the benchmarks have 9.81 m/s2
     if axles == 2 and isinstance(base, VehicleParameters):
         raise ValueError(f"like must be bogie for 2 axles; got {like}. A coach and a wagon have 4 or 6.")
     if axles != 2 and not isinstance(base, VehicleParameters):
@@ -218,7 +219,8 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
         tables["brake"] = with_entry_names(tables["brake"])
         check_names(tables["brake"], [*BRAKE_ENTRIES, "acts_on"], "[brake] ")
         turning = total_mass(parameters, axles) + axles * parameters.wheelset_pitch_inertia / parameters.wheel_radius**2
-        brake = brake_of_sheet(tables["brake"], turning, axles, parameters.wheel_radius)
+        running = [resistance.get(name, 0.0) for name, _ in RESISTANCE.values()]
+        brake = brake_of_sheet(tables["brake"], turning, axles, parameters.wheel_radius, running)
         assumed |= dict(brake.assumed)
     if "length" in given and "pivot_distance" in {**given, **tables["parameters"]}:
         check_length(parameters, given["length"])

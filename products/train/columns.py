@@ -33,6 +33,8 @@ VEHICLE: dict[str, tuple[str, float, float]] = {
     "resistance_a": ("N", 0.0, 1e5),
     "resistance_b": ("N/(m/s)", 0.0, 1e4),
     "resistance_c": ("N/(m/s)^2", 0.0, 1e3),
+    "friction_ratio": ("1", 0.0, 1.0),
+    "friction_decay": ("s/m", 0.0, 10.0),
 }
 #: Columns that state the brake's force, one group of them in a row, and its friction.
 FORCE: dict[str, tuple[str, float, float]] = {

@@ -8,15 +8,16 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from brake_controller.air import AMBIENT
 from brake_controller.brake_heat import NO_BRAKE_HEAT, BrakeHeat
 from brake_controller.brake_weight import (
     FROM_100,
+    SPEEDS,
     VEHICLE_BUILD_UP,
     braked_weight,
-    force_of_percentage,
+    braking_way,
+    force_beside,
     percentage_of_vehicle,
     train_percentage,
 )
@@ -54,6 +55,7 @@ class TrainVehicle:
     braked_share: share of its weight on braked wheels. distributor_at: position of its distributor, as a share of its
     length. name: any text. valve: driver's valve, at its front end (at its back end in the last vehicle); leads:
     whether it is the head's; valve_delay: delay after the first valve of the train [s], below 0: it does not follow.
+    friction_ratio, friction_decay [s/m]: fall of the friction with the sliding speed (Polach (2005)).
     leak: effective area of the leaks of its pipe [m2]; branch: volume of its branches [m3]. adhesion: law by its name.
     """
 
@@ -65,8 +67,8 @@ class TrainVehicle:
     coupler: Coupler = field(default_factory=screw_coupler)
     rotating_share: float = ROTATING
     braked_share: float = 1.0
-    friction_left: float = 0.4
-    friction_fall: float = 0.6
+    friction_ratio: float = 1.0
+    friction_decay: float = 0.0
     resistance: tuple[float, float, float] = (0.0, 0.0, 0.0)
     distributor_at: float = 0.5
     pipe_diameter: float = 0.03175
@@ -86,7 +88,7 @@ class TrainVehicle:
     def motion(self) -> dict[str, float]:
         """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""
         weight = self.mass * GRAVITY * self.braked_share
-        shape = [self.friction_left, self.friction_fall, *self.resistance]
+        shape = [self.friction_ratio, self.friction_decay, *self.resistance]
         numbers = [self.mass, self.rotating_share * self.mass, weight, *shape]
         return dict(zip((one.name for one in MOTION), numbers, strict=True))
 
@@ -141,26 +143,7 @@ def braked_by(
     ValueError
         If the resistance alone stops the vehicle in the distance of the percentage.
     """
-    mean = force_of_percentage(percentage, (1 + rotating) * mass, FROM_100)
-    way = (1 + rotating) * mass * FROM_100.speed**2 / (2 * mean)
-
-    def too_long(force: float) -> float:
-        return braking_way(np.full(SPEEDS.size, force), (1 + rotating) * mass, resistance) - way
-
-    check_percentage(percentage, (1 + rotating) * mass, resistance)
-    least = 0.2 * mean if too_long(0.2 * mean) > 0.0 else 1e-3 * mean
-    return braked_with(brentq(too_long, least, 1.001 * mean), pressure)
-
-
-def check_percentage(percentage: float, turning_mass: float, resistance: Sequence[float]) -> None:
-    """Check that a brake is needed for a percentage [%]: 1e-3 of the mean force at least. Raises ValueError."""
-    mean = force_of_percentage(percentage, turning_mass, FROM_100)
-    way = turning_mass * FROM_100.speed**2 / (2 * mean)
-    if braking_way(np.full(SPEEDS.size, 1e-3 * mean), turning_mass, resistance) <= way:
-        raise ValueError(
-            f"lambda must be above that of the running resistance alone; got {percentage:g} %, and the resistance stops"
-            " the vehicle in a shorter distance. Increase lambda, or decrease the resistance."
-        )
+    return braked_with(force_beside(resistance, percentage, (1 + rotating) * mass), pressure)
 
 
 def braked_with(force: float, pressure: float = 380e3) -> VehicleBrake:
@@ -173,20 +156,6 @@ def braked_with(force: float, pressure: float = 380e3) -> VehicleBrake:
         friction_law=0.0,
         constant_friction=0.3,
     )
-
-
-#: Speeds from rest to that of the assessment [m/s].
-SPEEDS = np.linspace(0.0, FROM_100.speed, 401)
-
-
-def braking_way(force: NDArray[np.float64], turning_mass: float, resistance: Sequence[float]) -> float:
-    """Return the braking distance [m], int m v / F dv (EN 14531-1).
-
-    F: forces at SPEEDS [N] and a resistance a + b v + c v^2.
-    """
-    a, b, c = resistance
-    whole = force + a + b * SPEEDS + c * SPEEDS**2
-    return float(np.trapezoid(turning_mass * SPEEDS / whole, SPEEDS))
 
 
 def wagon(load: float = 60e3, position: str = "P", weighing: str = "lever") -> TrainVehicle:

@@ -180,6 +180,8 @@ def row_of(one: TrainVehicle) -> Row:
     row |= row_of_electric(one.electric) | row_of_traction(one.traction)
     row |= row_of_heat(one.heat) | row_of_extra(one.track, one.parking)
     row |= {} if one.adhesion == "input" else {"adhesion": one.adhesion}
+    if one.friction_ratio != 1.0:
+        row |= {"friction_ratio": one.friction_ratio, "friction_decay": one.friction_decay}
     row |= {"pipe_diameter": 1e3 * one.pipe_diameter, "at": one.distributor_at}
     if one.leak:
         row["leak"] = 1e3 * (4 / math.pi * one.leak / DISCHARGE) ** 0.5

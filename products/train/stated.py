@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from brake_controller.air import AMBIENT
-from brake_controller.brake_weight import FROM_100, force_of_percentage
+from brake_controller.brake_weight import FROM_100, SPEEDS, braking_way, check_percentage, force_of_percentage
 from brake_controller.distributors import distributors, ep_direct
 from brake_controller.distributors.aar import OF_AAR, AarValve, FreightCar, retaining, with_release_time
 from brake_controller.distributors.distributor import DistributorParameters
@@ -36,12 +36,9 @@ from products.train.consist import (
     EMPTY,
     EMPTY_UP_TO,
     PERCENTAGE,
-    SPEEDS,
     TrainVehicle,
     braked_by,
     braked_with,
-    braking_way,
-    check_percentage,
     forces_of,
 )
 from products.train.stated_drive import table_in

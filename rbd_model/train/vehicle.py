@@ -20,8 +20,8 @@ MOTION = (
     Field("mass", "kg", 1e-3, 1e9, "the mass of a vehicle"),
     Field("rotating_mass", "kg", 0.0, 1e10, "the rotating mass or the weight of a vehicle"),
     Field("weight", "N", 0.0, 1e10, "the rotating mass or the weight of a vehicle"),
-    Field("friction_left", "1", -1e9, 1e9, _SHAPE),
-    Field("friction_fall", "s/m", -1e9, 1e9, _SHAPE),
+    Field("friction_ratio", "1", -1e9, 1e9, _SHAPE),
+    Field("friction_decay", "s/m", -1e9, 1e9, _SHAPE),
     Field("constant", "N", -1e9, 1e9, _SHAPE),
     Field("linear", "N.s/m", -1e9, 1e9, _SHAPE),
     Field("square", "N.s2/m2", -1e9, 1e9, _SHAPE),
@@ -82,8 +82,8 @@ def sliding() -> ca.Function:
     asked = function_of("rolling", symbols, rolling()(*symbols)[2])(*symbols)
     step, apart = p["step"], p["wheel"] - p["speed"]
     sense = ca.if_else(ca.if_else(apart == 0, asked, apart) > 0, 1, -1)
-    left = p["friction_left"]
-    friction = p["friction"] * (left + (1 - left) * ca.exp(-p["friction_fall"] * ca.fabs(apart)))
+    left = p["friction_ratio"]
+    friction = p["friction"] * (left + (1 - left) * ca.exp(-p["friction_decay"] * ca.fabs(apart)))
     gives = sense * friction * p["weight"]
     driven = p["speed"] + step / p["mass"] * (p["ahead"] - p["behind"] + p["slope"] + gives)
     speed = _slowed(driven, step / p["mass"] * _resistance(p))

@@ -47,9 +47,9 @@ WAYS = {
 def train_of(rail: RailCondition) -> Train:
     """Return a locomotive and coaches; friction falls with sliding as that of the rail does (Polach 2005)."""
     law = rail.law.values()
-    left, fall = law["friction_ratio"], law["friction_decay"]
+    falls = {name: law[name] for name in ("friction_ratio", "friction_decay")}
     vehicles = (locomotive(), *[coach()] * COACHES)
-    train = Train(Consist(tuple(replace(one, friction_left=left, friction_fall=fall) for one in vehicles)), speed=SPEED)
+    train = Train(Consist(tuple(replace(one, **falls) for one in vehicles)), speed=SPEED)
     train.inputs["friction"][:] = rail.friction
     return train
 

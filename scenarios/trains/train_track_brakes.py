@@ -6,14 +6,12 @@ A vehicle alone is checked against integrals and statics.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from scipy.integrate import quad
 
-from products.train.consist import Consist
 from products.train.consist_file import consist_of
 from products.train.train import Train
 from rbd_model.track.line import Line
@@ -44,7 +42,7 @@ X2000, FAST = 0.4, 200 / 3.6
 def train_of(row: Mapping[str, Any], friction: float) -> Train:
     """Return a locomotive and coaches whose protection is ideal: friction does not fall with sliding."""
     found = consist_of([{"kind": "locomotive"}, {"kind": "coach", "count": COACHES, **row}])
-    train = Train(Consist(tuple(replace(one, friction_left=1.0) for one in found.vehicles)), speed=SPEED)
+    train = Train(found, speed=SPEED)
     train.inputs["friction"] = friction
     train.drive("emergency")
     return train

@@ -22,7 +22,7 @@ RAIL = replace(assumed_recovery(), recovery_energy=200e3)
 def locked_train(number: int) -> Train:
     """Return vehicles with locked wheels, whose friction does not fall with sliding, and without forces of couplers."""
     brake = replace(locomotive().brake, force_per_pressure=1.0, constant_friction=0.5)
-    one = replace(locomotive(), brake=brake, resistance=(0.0, 0.0, 0.0), friction_left=1.0)
+    one = replace(locomotive(), brake=brake, resistance=(0.0, 0.0, 0.0), friction_ratio=1.0)
     train = Train(Consist((one,) * number), speed=25.0, cylinder=380e3, pipe=350e3)
     train.inputs["coupling_closed"] = 0.0
     train.drive("service", 1.0)

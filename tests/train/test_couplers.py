@@ -260,7 +260,7 @@ def lone(friction: float) -> Train:
     """Return a single locomotive at 20 m/s with full cylinders."""
     one = locomotive()
     brake = replace(one.brake, force_per_pressure=1.0, constant_friction=0.2)
-    vehicle = replace(one, brake=brake, resistance=(0.0, 0.0, 0.0), friction_left=1.0)
+    vehicle = replace(one, brake=brake, resistance=(0.0, 0.0, 0.0), friction_ratio=1.0)
     train = Train(Consist((vehicle,)), speed=20.0, cylinder=380e3, pipe=350e3)
     train.drive("service", 1.0)
     train.inputs["friction"][:] = friction

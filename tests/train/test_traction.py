@@ -183,7 +183,7 @@ def test_adhesion_falls_over_speed_by_curtius_and_kniffler(speed: float) -> None
     one = consist_of([LOCOMOTIVE | {"adhesion": "curtius-kniffler"}]).vehicles[0]
     brake = replace(one.brake, force_per_pressure=1.0, constant_friction=0.5)
     for adhesion in ("curtius-kniffler", "input"):
-        own = replace(one, adhesion=adhesion, friction_left=1.0, brake=brake)
+        own = replace(one, adhesion=adhesion, friction_ratio=1.0, brake=brake)
         train = Train(Consist((own,)), speed=max(speed / 3.6, 1e-3), cylinder=380e3, pipe=350e3)
         train.inputs["friction"] = 0.28
         train.drive("service", 1.0)

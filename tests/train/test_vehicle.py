@@ -20,7 +20,7 @@ CLOSED = 1e-3
 
 def lone(line: Line | None = None, **changes: object) -> Train:
     """Return a locomotive at SPEED with its brake released; without resistance by default."""
-    own = {"resistance": (0.0, 0.0, 0.0), "friction_left": 1.0} | changes
+    own = {"resistance": (0.0, 0.0, 0.0), "friction_ratio": 1.0} | changes
     return Train(Consist((replace(locomotive(), **own),)), speed=SPEED, line=line)  # type: ignore[arg-type]
 
 
@@ -58,7 +58,7 @@ def test_a_locked_wheel_slides_with_the_friction_of_its_speed() -> None:
     brake = replace(locomotive().brake, force_per_pressure=1.0, constant_friction=0.5)
     train = Train(
         Consist(
-            (replace(locomotive(), brake=brake, resistance=(0.0, 0.0, 0.0), friction_left=left, friction_fall=fall),)
+            (replace(locomotive(), brake=brake, resistance=(0.0, 0.0, 0.0), friction_ratio=left, friction_decay=fall),)
         ),
         speed=SPEED,
         cylinder=380e3,
@@ -83,7 +83,7 @@ PLACES, LEFT, RIGHT = (0.0, 60.0, 65.0, 110.0), (1.0, 0.2, 0.2, 1.4), (1.0, 0.6,
 def locked(line: Line | None, friction: float, number: int = 1) -> Train:
     """Return vehicles at SPEED, with the head at 0, whose brakes lock the wheels at any friction of a test."""
     brake = replace(locomotive().brake, force_per_pressure=1.0, constant_friction=0.5)
-    one = replace(locomotive(), brake=brake, resistance=(0.0, 0.0, 0.0), friction_left=1.0)
+    one = replace(locomotive(), brake=brake, resistance=(0.0, 0.0, 0.0), friction_ratio=1.0)
     train = Train(Consist((one,) * number), speed=SPEED, cylinder=380e3, pipe=350e3, line=line)
     train.drive("service", 1.0)
     train.inputs["friction"] = friction

@@ -103,7 +103,8 @@ static void command_motors(train *self) {
     double *share = drive->command + DRIVEN_SHARE * self->stride, *end = run_row(self, RUN_END);
     pipe_pressures(self->air, drive->line, NULL);
     for (long long int i = 0; i < self->vehicles; ++i) {
-        const int off = drive->line[i] - AMBIENT < drive->traction[TRACTION_TRACTION_CUT_OUT * self->stride + i];
+        const double cut_out = drive->traction[TRACTION_TRACTION_CUT_OUT * self->stride + i]; /* 0: never */
+        const int off = cut_out > 0.0 && drive->line[i] - AMBIENT < cut_out;
         share[i] = off || brakes_electrically(self, i) ? 0.0 : self->input[IN_TRACTION][i];
         if (off) end[i] = 0.0;
     }
