@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 from fmpy.validation import validate_fmu
 
-from bogie_braking.checks import known
+from bogie_braking.batches import file_of
+from bogie_braking.checks import known, line_or_none
 from bogie_braking.machines import LEVELS, model_from
 from fmu_src.chain import ONE_WRITES
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
@@ -15,9 +17,11 @@ from fmu_src.python_fmu import build_python_fmu
 from fmu_src.start_values import with_start_values
 from fmu_src.system import Model, System
 from products.building import up_to_date
-from products.registry import FMUS
+from products.registry import FMUS, fmu_named
 from products.vehicle_file import DataSheet
 from rbd_model.levels.models import places_of
+from rbd_model.track.line import Line
+from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import Vehicle
 from readers.storage import write_whole
 from readers.text import text_of
@@ -51,24 +55,31 @@ def fmu(name: str, kind: str = "native") -> Path:
 
 
 def write_fmu(
-    what: DataSheet | Vehicle | System | Model, path: str | Path, kind: str = "native", level: int | None = None
+    what: str | DataSheet | Vehicle | System | Model,
+    path: str | Path,
+    kind: str = "native",
+    level: int | None = None,
+    line: Line | None = None,
 ) -> Path:
-    """Build the FMU of your own vehicle, system or model, and validate it.
+    """Build the FMU of a vehicle, system or model, and validate it.
 
-    A vehicle from a file with 2 or 4 axles, and without tables of forces, needs no compiler: its FMU is the built-in
-    one with the file's values as start values.
+    A built-in vehicle, and one from a file with 2 or 4 axles and without tables of forces, need no compiler: the FMU is
+    the built-in one with its own start values. Start values, contact table and line are files in its resources, from
+    which its GUID follows. A host must pass it the location of its resources.
 
     Parameters
     ----------
-    what : DataSheet, Vehicle, System or Model
-        Contents of the FMU; a DataSheet is a vehicle from a file (`read_vehicle`).
+    what : str, DataSheet, Vehicle, System or Model
+        Contents of the FMU; a str is the name of a built-in one, a DataSheet a vehicle from a file (`read_vehicle`).
     path : str or Path
         File to write; it must end with .fmu.
     kind : str
         As in `fmu`.
     level : int, optional
         For a vehicle: the only level of detail of its FMU. If omitted, the FMU has all levels and the parameter
-        `level`; they compile for a minute.
+        `level`; they compile for a minute. A built-in FMU keeps all levels, and starts with this one.
+    line : Line, optional
+        The line on which the FMU starts.
 
     Returns
     -------
@@ -78,7 +89,7 @@ def write_fmu(
     Raises
     ------
     KeyError
-        If the kind is unknown.
+        If the name or the kind is unknown.
     TypeError
         If no FMU can be made of `what`.
     CompilerError
@@ -86,46 +97,53 @@ def write_fmu(
     OSError
         If the path cannot be written.
     ValueError
-        If the level does not exist, if the path does not end with .fmu, or if fmpy finds faults in the FMU.
+        If the level does not exist, if the path does not end with .fmu, if a pythonfmu FMU should have start values or
+        a line, or if fmpy finds faults in the FMU.
     """
-    build, path = BUILD[known(kind, BUILD, "kind of FMU")], Path(path)
-    if isinstance(what, str):
-        raise TypeError(
-            f"{what} is a name: fmu gives the FMUs of the list; write_fmu takes a Vehicle, a System or a Model."
-        )
+    known(kind, BUILD, "kind of FMU")
+    path, line = Path(path), line_or_none(line)
     if level not in (None, *LEVELS):
         raise ValueError(f"level must be 1, 2 or 3, or left out for all of them; got {level!r}.")
     if path.suffix != ".fmu":
         raise ValueError(f"{path} must end with .fmu, the only name under which hosts take an FMU.")
-    if isinstance(what, DataSheet):
-        _of_a_sheet(what, path, kind, level)
-    else:
-        with ONE_WRITES:
-            build(model_from(what, places_of(level)), path)
+    sheet = what if isinstance(what, DataSheet) else None
+    data = {PAIR: one_table(sheet.profile_files)} if sheet and sheet.profile_files else {}
+    if line is not None:
+        data[LINE.resource] = _bytes_of(line)
+    made, values = _made(what, path, kind, level)
+    if values or data or sheet:
+        if kind == "python":
+            raise ValueError(
+                "kind must be native or fmi3 for a vehicle from a file, a level or a line; got python. Native FMUs alone read"
+                " such values."
+            )
+        write_whole(path, with_start_values(made, values, data, sheet.name if sheet else ""))
+    elif made != path:
+        write_whole(path, made.read_bytes())
     problems = validate_fmu(str(path))
     if problems:
         raise ValueError(f"{path} is not a valid FMU: {' '.join(map(str, problems))}")
     return path
 
 
-def _of_a_sheet(sheet: DataSheet, path: Path, kind: str, level: int | None) -> None:
-    """Write the FMU of a vehicle from a file: the built-in one, or that of its equations, with its values and tables.
+def _made(
+    what: str | DataSheet | Vehicle | System | Model, path: Path, kind: str, level: int | None
+) -> tuple[Path, dict[str, float]]:
+    """Return the FMU with the equations, a built-in one or that which is built at a path, and its start values."""
+    name = what if isinstance(what, str) else what.fmu if isinstance(what, DataSheet) else None
+    values = {} if level is None else {"level": float(level)}
+    if name is not None:
+        own = what.values if isinstance(what, DataSheet) else {}
+        return fmu(fmu_named(name), kind), own | values
+    equations = what.vehicle if isinstance(what, DataSheet) else what
+    with ONE_WRITES:
+        BUILD[kind](model_from(equations, places_of(level)), path)  # type: ignore[arg-type]
+    return path, dict(what.resistance) if isinstance(what, DataSheet) else {}
 
-    Raises ValueError if `kind` is "python" and there are values: it reads none.
-    """
-    data = {PAIR: one_table(sheet.profile_files)} if sheet.profile_files else {}
-    values = sheet.values | ({} if level is None else {"level": float(level)}) if sheet.fmu else dict(sheet.resistance)
-    if kind == "python" and (sheet.fmu or values or data):
-        raise ValueError(
-            "kind must be native or fmi3 for a vehicle from a file; got python. Its values are read by native FMUs."
-        )
-    if sheet.fmu is not None:
-        made = fmu(sheet.fmu, kind)
-    else:
-        with ONE_WRITES:
-            BUILD[kind](model_from(sheet.vehicle, places_of(level)), path)
-        made = path
-    write_whole(path, with_start_values(made, values, data, sheet.name))
+
+def _bytes_of(line: Line) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        return Path(str(file_of(line, folder))).read_bytes()
 
 
 def one_table(paths: Sequence[Path]) -> bytes:

@@ -31,7 +31,7 @@ FRICTION_LAWS = {
 OLDER_LAWS = {"cast-iron": "cast-iron-p6"}
 #: Mean friction of shoes if the file gives none: that of the built-in coach.
 SHOE_FRICTION = 0.25
-#: Gauge pressure at which a cylinder counts as released [Pa] (UIC 540).
+#: Gauge pressure below which a cylinder is released [Pa] (UIC 540).
 RELEASED = 40e3
 #: Speed from which pads on cold discs have the stated friction on average over the distance [m/s].
 ASSESSED = 120.0 / 3.6

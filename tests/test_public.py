@@ -197,7 +197,8 @@ def test_an_fmu_gives_the_numbers_of_a_run() -> None:
         (lambda: bb.Simulation("bogie").restore(b"abc"), bb.SimulationError, "The state must be one of bogie"),
         (lambda: bb.Simulation("wheelset").restore(bb.Simulation("bogie").save()), bb.SimulationError, "of wheelset"),
         (lambda: bb.fmu(bb.vehicle("bogie")), TypeError, "name of the FMU must be a text; got a Vehicle."),
-        (lambda: bb.write_fmu("bogie", "x.fmu"), TypeError, "bogie is a name: fmu gives"),
+        (lambda: bb.write_fmu("tram", "x.fmu"), KeyError, "There is no FMU tram"),
+        (lambda: bb.write_fmu("bogie", "x.fmu", "python", level=1), ValueError, "kind must be native or fmi3"),
         (
             lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": 0.1}),
             ValueError,

@@ -230,7 +230,7 @@ def test_pads_have_the_torque_of_the_file_at_its_mean_friction() -> None:
 
 
 def test_a_stop_with_discs_has_the_distance_of_the_stated_deceleration() -> None:
-    """From 120 km/h; cylinders that fill in 0.5 s leave v t_95 / ln 20 before the brake is on, to a tenth."""
+    """The stop is from 120 km/h. Cylinders that fill in 0.5 s add v t_95 / ln 20 before the brake is on, to a tenth."""
     brake = {"acts_on": "discs", "deceleration": "1.1 m/s2", "application_time": "0.5 s"}
     sheet, speed = sheet_of(SHEET | {"brake": brake}), 120 / 3.6
     assert sheet.brake is not None

@@ -70,7 +70,7 @@ static inline int print_one(char *end, size_t left, char *conversion, size_t beh
     return snprintf(end, left, "%s", number);
 }
 
-/* As vsnprintf, for the conversions d, u, x, s, c, g, e and f, with the lengths l, ll and z. */
+/* This is vsnprintf for the conversions d, u, x, s, c, g, e and f, with the lengths l, ll and z. */
 static inline int print_list(char *text, size_t size, const char *format, va_list given) {
     size_t used = 0;
     va_list arguments;
@@ -95,7 +95,7 @@ static inline int print_list(char *text, size_t size, const char *format, va_lis
     return (int)used;
 }
 
-/* As snprintf. */
+/* This is snprintf for the same conversions. */
 static inline int print_text(char *text, size_t size, const char *format, ...) LIKE_PRINTF(3);
 static inline int print_text(char *text, size_t size, const char *format, ...) {
     va_list arguments;
