@@ -26,7 +26,7 @@ def with_start_values(
     fmu : Path
         The FMU. An archive that is not native is returned as it is.
     values : mapping of str to float
-        Start values by name, in SI units.
+        Start values by name, in SI units; those that the FMU has already stay.
     data : mapping of str to bytes, optional
         Other files that its binary reads, by their names in resources/.
     title : str
@@ -42,7 +42,7 @@ def with_start_values(
         return fmu.read_bytes()
     about = ET.fromstring(contents["modelDescription.xml"])
     variables = {str(element.get("name")): element for element in about.iterfind("ModelVariables/*")}
-    rows = []
+    rows = dict(row.split(",") for row in contents.get(f"resources/{FILE}", b"").decode().splitlines())
     for name, value in values.items():
         if name not in variables:
             raise ValueError(f"{fmu.name} has no variable {name}; its modelDescription.xml lists them.")
@@ -50,6 +50,12 @@ def with_start_values(
         typed = next(iter(variables[name]), variables[name])
         text = text_of(name, value, typed.tag in ("Real", "Float64"))
         typed.set("start", text)
-        rows.append(f"{name},{text}\n")
+        rows[name] = text
     described = contents | {"modelDescription.xml": xml_file(about)}
-    return archive_bytes(with_data(described, {FILE: "".join(rows).encode()} | dict(data or {}), title))
+    return archive_bytes(
+        with_data(
+            described,
+            {FILE: "".join(f"{name},{text}\n" for name, text in rows.items()).encode()} | dict(data or {}),
+            title,
+        )
+    )

@@ -269,8 +269,8 @@ def test_six_axles_lie_in_threes_and_carry_the_weight() -> None:
     places = [sheet.vehicle.number(one.along) for one in sheet.vehicle.wheelsets]
     assert places == pytest.approx([7.3, 5.5, 3.7, -3.7, -5.5, -7.3])
     loads = axle_loads(sheet)
-    assert sum(loads) == pytest.approx(120e3 * 9.81, rel=1e-9)
-    assert loads[1] == pytest.approx(120e3 * 9.81 / 6, rel=1e-3)
+    assert sum(loads) == pytest.approx(120e3 * 9.80665, rel=1e-9)
+    assert loads[1] == pytest.approx(120e3 * 9.80665 / 6, rel=1e-3)
 
 
 def test_two_axles_are_an_fmu_with_own_start_values(tmp_path: Path) -> None:
@@ -279,7 +279,7 @@ def test_two_axles_are_an_fmu_with_own_start_values(tmp_path: Path) -> None:
     with bb.FmuInstance(bb.write_fmu(sheet, tmp_path / "wagon.fmu")) as fmu:
         fmu.start()
         weights = [fmu[f"axle_load_{number}"] for number in (1, 2)]
-    assert sum(weights) == pytest.approx(12e3 * 9.81, rel=1e-9)
+    assert sum(weights) == pytest.approx(12e3 * 9.80665, rel=1e-9)
 
 
 def test_profiles_of_a_file_reach_runs_at_level_3_and_the_fmu(tmp_path: Path) -> None:

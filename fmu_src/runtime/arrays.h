@@ -30,7 +30,7 @@ void arrays_reset(arrays_object *self);
 /* Begin a run with its parameters; begin it again if inputs have changed. */
 void arrays_start(arrays_object *self, double time);
 /* Advance by one step. After a warning the object has advanced and `problem` states the cause. After a discard it is
- * unchanged, or has ended for good. */
+ * unchanged, or has ended for good. With OK, `problem` may state an event. */
 kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE]);
 /* Return a hash that differs between objects made from different files. */
 unsigned long long arrays_mark(const arrays_object *self);

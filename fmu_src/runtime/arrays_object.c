@@ -182,7 +182,7 @@ static bool object_initialised(const fmu_object *self) { return self->now.settle
 static void object_reopen(fmu_object *self) { self->now.settled = 0; }
 
 static kernel_status object_step(fmu_object *self, double time, double step) {
-    char problem[MESSAGE_SIZE], wrong[DURATION_PROBLEM];
+    char problem[MESSAGE_SIZE] = "", wrong[DURATION_PROBLEM];
     bool ended = false;
     if (size_is_wrong(step, wrong) || time_is_wrong(time, step, self->now.time, self->stop, wrong))
         return say(self, KERNEL_ERROR, "%s", wrong);
@@ -190,7 +190,7 @@ static kernel_status object_step(fmu_object *self, double time, double step) {
         return say(self, KERNEL_ERROR, "Steps must end at most at %g s; got a step of %g s at %g s.", 2.0 * FARTHEST_TIME, step,
                    time);
     const kernel_status status = arrays_go(self->own, time, step, &ended, problem);
-    if (status != KERNEL_OK) (void)say(self, status, "%s", problem);
+    if (status != KERNEL_OK || *problem) (void)say(self, status, "%s", problem);
     if (status > KERNEL_WARNING && !ended) return status;
     self->now.time = time + step;
     self->now.ended = ended;

@@ -240,6 +240,17 @@ class Train:
         raise AttributeError(name)
 
     @property
+    def locked(self) -> NDArray[np.int64]:
+        """1 for each vehicle whose wheels are locked while it moves, otherwise 0."""
+        return ((self.wheel_speed == 0.0) & (self.speed != 0.0)).astype(int)
+
+    @property
+    def slip(self) -> NDArray[np.float64]:
+        """(v - w) over the larger of both, of each vehicle's wheels [1]."""
+        speed, wheel = self.speed, self.wheel_speed
+        return (speed - wheel) / np.maximum(np.maximum(np.abs(speed), np.abs(wheel)), np.finfo(float).tiny)
+
+    @property
     def state(self) -> NDArray[np.float64]:
         """Complete state of a run, to be restored later, with a checksum as its last number."""
         found = np.empty(self._call.train_numbers(self._own) + 1)

@@ -159,7 +159,7 @@ def test_hot_wheels_at_rest_cool_as_one_lump() -> None:
 
 
 def test_a_locked_wheel_makes_no_heat_at_its_block() -> None:
-    train = train_of(wagon(**HOT), 30.0, cylinder=380e3)
+    train = train_of(wagon(**HOT, friction_ratio=0.4, friction_decay=0.6), 30.0, cylinder=380e3)
     train.drive("emergency")
     train.inputs["friction"] = 0.02
     train.advance(3.0)

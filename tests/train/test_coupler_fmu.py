@@ -16,6 +16,7 @@ from fmu_src.cosimulation.faces import face_of
 from fmu_src.cosimulation.slave import FmuInstance
 from products.train.coupler_fmu import build_coupler_fmu
 from rbd_model.train.coupler import Coupler, Curve
+from tests.fmu.hosting import sign
 
 LOADING, UNLOADING, LOCKED = 5e6, 2e6, 60e6
 
@@ -94,7 +95,7 @@ def test_the_command_line_builds_the_ready_ones(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda path: path.unlink(), "coupler.bin cannot be read"),
+        (lambda path: path.write_bytes(b""), "coupler.bin cannot be read"),
         (lambda path: path.write_bytes(path.read_bytes()[:-8]), "coupler.bin are damaged"),
         (lambda path: np.full(50, np.nan).tofile(path), "coupler.bin are damaged"),
         (lambda path: np.r_[np.fromfile(path)[:9], np.inf, np.fromfile(path)[10:]].tofile(path), "are damaged"),
@@ -109,6 +110,7 @@ def test_damaged_curves_give_no_instance_and_one_sentence(
     with zipfile.ZipFile(fmu) as archive:
         archive.extractall(tmp_path)
     change(tmp_path / "resources" / "coupler.bin")
+    sign(tmp_path / "resources", "coupler.bin")
     face = face_of(read_model_description(str(fmu)), str(tmp_path), "coupler", said.append)
     with pytest.raises(Exception, match="Failed to instantiate"):
         face.instantiate()

@@ -27,6 +27,8 @@ G = 9.80665
 NEAR = 1e-4
 #: Relative error of a balance of energy with steps of 10 ms, and of a limit of statics.
 CLOSED, SHARP = 1e-5, 1e-6
+#: Friction of sliding wheels, Polach (2005).
+FALLS = {"friction_ratio": 0.4, "friction_decay": 0.6}
 #: A vehicle of 50 t without resistance and without a brake of the air, and its magnets: 4 of 50 kN.
 BARE: dict[str, Any] = {"kind": "coach", "valve": "head", "mass": 50.0, "resistance_a": 0.0, "brake": "none"}
 MAGNETS: dict[str, Any] = {"magnetic_attraction": 200.0, "magnetic_rise": 0.0, "magnetic_lift": 0.0}
@@ -87,7 +89,7 @@ def test_eddy_currents_alone_slow_in_the_distance_of_their_integral(share: float
 
 def test_magnets_add_to_wheels_that_slide_on_a_rail_of_friction_0_03() -> None:
     """Locked wheels: m dv = -(F + mu m g (0.4 + 0.6 exp(-0.6 v))) dt, Polach; without magnets it is much longer."""
-    row = BARE | {"brake": "ep-direct", "deceleration": 1.2, "rotating": 0.1, "fill_time": 0.5}
+    row = BARE | FALLS | {"brake": "ep-direct", "deceleration": 1.2, "rotating": 0.1, "fill_time": 0.5}
 
     def sliding(v: float) -> float:
         return 0.03 * 50e3 * G * (0.4 + 0.6 * math.exp(-0.6 * v))
@@ -242,7 +244,7 @@ def test_a_stated_gradient_is_the_one_that_the_brake_holds() -> None:
 
 def test_a_parked_vehicle_slides_where_the_rail_does_not_hold() -> None:
     """m dv/dt = m g i - mu m g (0.4 + 0.6 exp(-0.6 v)) with locked wheels."""
-    train = train_of(BARE | {"parking_gradient": 60.0}, 0.0, -0.05, friction=0.02)
+    train = train_of(BARE | FALLS | {"parking_gradient": 60.0}, 0.0, -0.05, friction=0.02)
     train.inputs["parking_brake"] = 1.0
     before, lost = 0.0, 0.0
     for _ in range(1000):

@@ -36,7 +36,8 @@ TABLE = "0:320.123456 40:300.5 60:240.25 80:191.125 100:150.0625 130:110.5 160:8
 
 def lone(speed: float = 0.0, gradient: float = 0.0, friction: float = 0.6, **columns: Any) -> Train:
     """Return the locomotive alone on a gradient, with all its traction; a column of None is left out."""
-    row = {name: value for name, value in (LOCOMOTIVE | columns).items() if value is not None}
+    falls = {"friction_ratio": 0.4, "friction_decay": 0.6}
+    row = {name: value for name, value in (LOCOMOTIVE | falls | columns).items() if value is not None}
     line = Line({"distance": np.array([-1e5, 1e6]), "gradient": np.array([gradient] * 2)}) if gradient else None
     train = Train(consist_of([row]), speed=speed, line=line)
     train.inputs["friction"], train.inputs["traction"] = friction, 1.0

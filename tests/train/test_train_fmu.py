@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import shutil
 import subprocess
 import xml.etree.ElementTree as ET
@@ -596,3 +597,20 @@ def test_a_cock_that_a_coarse_pipe_does_not_have_is_told(tmp_path: Path) -> None
             host.go(1)
         host.put("hose_state", joined)
         host.go(1)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_locked_wheels_are_logged_and_the_same_in_python(version: int, fmus: dict[tuple[str, int], Path]) -> None:
+    train, host = Train(SHORT, speed=SPEED), started(fmus["short", version])
+    train.inputs["friction"] = 0.02
+    train.drive("emergency")
+    with host.slave:
+        host.put("driver_position", [4])
+        host.put("friction", [0.02] * 3)
+        host.go(80)
+        train.advance(80 * STEP)
+        assert host.array("locked") == train.locked.tolist() == [1, 1, 1]
+        assert host.array("slip") == train.slip.tolist() == [1.0, 1.0, 1.0]
+        assert any(
+            re.match(r"The wheels of vehicle 1( and of 1 behind it)? locked at \d", one) for one in host.slave.messages
+        )

@@ -5,12 +5,14 @@
 #include <string.h>
 
 #include "arrays.h"
+#include "duration.h"
 #include "train.h"
 #include "train_arrays.h"
 
 struct arrays_object {
     train *own;
     double *values; /* of all arrays, one after the other */
+    double *locked; /* of each vehicle before a step */
     size_t place[ARRAYS_MOST + 1];
     unsigned long long mark; /* of the consist */
 };
@@ -30,7 +32,8 @@ static arrays_object *create(const double *numbers, long long int count) {
         self->mark = arrays_mark_of(numbers, (size_t)count);
         for (unsigned n = 0; n < ARRAYS; ++n) self->place[n + 1] = self->place[n] + length_of(self->own, (int)n);
         self->values = (double *)calloc(self->place[ARRAYS], sizeof(double));
-        if (self->values) return self;
+        self->locked = (double *)calloc(length_of(self->own, LOCKED), sizeof(double));
+        if (self->values && self->locked) return self;
     }
     arrays_free(self);
     return NULL;
@@ -54,6 +57,7 @@ void arrays_free(arrays_object *self) {
     if (!self) return;
     train_free(self->own);
     free(self->values);
+    free(self->locked);
     free(self);
 }
 
@@ -109,6 +113,18 @@ void arrays_start(arrays_object *self, double time) {
     find_outputs(self);
 }
 
+/* Write the vehicles whose wheels have locked in a step; nothing if there are none. `before`: whether they were. */
+static void say_locked(const arrays_object *self, const double *before, double time, char problem[MESSAGE_SIZE]) {
+    char when[TIME_TEXT], others[32] = "";
+    long long int count, first = 0, more = -1;
+    train_output(self->own, OUT_SPEED, &count);
+    for (long long int i = count - 1; i >= 0; --i)
+        if (values_of(self, LOCKED)[i] != 0.0 && before[i] == 0.0) first = i + 1, ++more;
+    if (more < 0) return;
+    if (more > 0) print_text(others, sizeof others, " and of %lld behind it", more);
+    print_text(problem, MESSAGE_SIZE, "The wheels of vehicle %lld%s locked at %s s.", first, others, time_text(time, 6, when));
+}
+
 kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE]) {
     (void)ended; /* it never ends */
     put_inputs(self);
@@ -128,7 +144,9 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
                  time, step);
         return KERNEL_DISCARD;
     }
+    memcpy(self->locked, values_of(self, LOCKED), length_of(self->own, LOCKED) * sizeof(double));
     find_outputs(self);
+    say_locked(self, self->locked, time + step, problem);
     return KERNEL_OK;
 }
 
