@@ -114,8 +114,8 @@ def write_fmu(
     if values or data or sheet:
         if kind == "python":
             raise ValueError(
-                "kind must be native or fmi3 for a vehicle from a file, a level or a line; got python. Native FMUs alone"
-                " read such values."
+                "kind must be native or fmi3 for a vehicle from a file, a level or a line; got python. Native FMUs"
+                " alone read such values."
             )
         write_whole(path, with_start_values(made, values, data, sheet.name if sheet else ""))
     elif made != path:

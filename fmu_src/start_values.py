@@ -52,10 +52,5 @@ def with_start_values(
         typed.set("start", text)
         rows[name] = text
     described = contents | {"modelDescription.xml": xml_file(about)}
-    return archive_bytes(
-        with_data(
-            described,
-            {FILE: "".join(f"{name},{text}\n" for name, text in rows.items()).encode()} | dict(data or {}),
-            title,
-        )
-    )
+    table = "".join(f"{name},{text}\n" for name, text in rows.items()).encode()
+    return archive_bytes(with_data(described, {FILE: table} | dict(data or {}), title))

@@ -611,6 +611,4 @@ def test_locked_wheels_are_logged_and_the_same_in_python(version: int, fmus: dic
         train.advance(80 * STEP)
         assert host.array("locked") == train.locked.tolist() == [1, 1, 1]
         assert host.array("slip") == train.slip.tolist() == [1.0, 1.0, 1.0]
-        assert any(
-            re.match(r"The wheels of vehicle 1( and of 1 behind it)? locked at \d", one) for one in host.slave.messages
-        )
+        assert any(re.match(r"The wheels of vehicle \d.* locked at \d", one) for one in host.slave.messages)
