@@ -17,8 +17,8 @@ from rbd_model.track.irregularity import ballasted_track
 from rbd_model.vehicle.parameters import manchester_vehicle_1
 from scenarios.lines.flexible_track import RIGID, Scene, curve, peaks
 
-#: Limit of the change of peaks over tolerances and contact dampings; measured at most 7.1e-5 in 220 curves. Least change
-#: on rigid rails.
+#: Limit of the change of peaks over tolerances and contact dampings, at most 7.1e-5 in 220 curves, and least change on
+#: rigid rails.
 PEAK_BAND, RIGID_CHANGE = 1e-4, 0.2
 #: Tolerance and contact damping [s/m]; the first is the default.
 DEFAULT, OTHERS = (1e-6, 1.0), ((1e-5, 1.0), (1e-7, 1.0), (1e-8, 1.0), (1e-6, 0.5), (1e-6, 2.0))
