@@ -185,6 +185,8 @@ def test_a_number_with_a_mark_is_that_of_its_source(monkeypatch: pytest.MonkeyPa
     found = numbers.filled(page, rows)
     assert re.sub(r"<!--.*?-->", "", found) == "It is 14 %, of " + f"{seeds:,}".replace(",", " ") + " seeds."
     assert numbers.filled(found, rows) == found
+    signed = page.replace("10<", "+10<").replace(".0f", "+.0f")
+    assert re.sub(r"<!--.*?-->", "", numbers.filled(signed, rows)).startswith("It is -14 %")
     with pytest.raises(KeyError):
         numbers.filled(page.replace("a row", "no row"), rows)
     mark = numbers.Mark("a-scenario", "a row", ".0f")

@@ -130,9 +130,12 @@ def check(chosen: argparse.Namespace) -> int:
 
 def _summary(found: Summary) -> str:
     """Return the lines about a train behind the name of its file."""
-    head = ("vehicle", "kind", "count", "mass [t]", "length [m]", "lambda [%]")
+    head = ("vehicle", "kind", "count", "mass [t]", "length [m]", "lambda [%]", "N/t at 80 km/h", "by formula")
     rows = [
-        (one.name or "-", one.kind, f"{one.count}", f"{one.mass:.2f}", f"{one.length:.2f}", f"{one.percentage:.0f}")
+        (
+            *(one.name or "-", one.kind, f"{one.count}", f"{one.mass:.2f}", f"{one.length:.2f}"),
+            *(f"{one.percentage:.0f}", f"{one.resistance:.1f}", f"{one.resistance_by_formula:.1f} {one.formula}"),
+        )
         for one in found.kinds
     ]
     names = ("speed [km/h]", "running resistance [kN]", "brake force [kN]", "emergency stop on level track [m]")

@@ -5,7 +5,8 @@
 
 A mark is a comment after a number, invisible on the page: `14<!--= contact-manchester | QUANTITY | .0f -->` is the row
 of a scenario's summary.json, `10 000<!--= tests/test_rare.py | RUNS | -->` a constant of a test. Templates
-(docs/generate/charts.py) name rows in the same words, `[[scenario | quantity | format]]`. Tests that run a cited
+(docs/generate/charts.py) name rows in the same words, `[[scenario | quantity | format]]`. A format with + keeps the
+sign. Tests that run a cited
 scenario compare its rows with the stored ones (tests/scenarios/test_scenarios.py).
 """
 
@@ -24,7 +25,7 @@ from readers.documents import read_document, text_in
 
 KEPT = DOCS / "data" / "numbers.json"
 #: A number, and the mark behind it.
-MARKED = re.compile(r"(?P<number>-?\d+(?: \d{3})*(?:\.\d+)?(?:e-?\d+)?)<!--= (?P<mark>[^|]+\|[^|]+\|[^|]*?) ?-->")
+MARKED = re.compile(r"(?P<number>[+-]?\d+(?: \d{3})*(?:\.\d+)?(?:e-?\d+)?)<!--= (?P<mark>[^|]+\|[^|]+\|[^|]*?) ?-->")
 TEMPLATE = re.compile(r"\[\[([^\]|]+\|[^\]|]+\|[^\]|]*)\]\]")
 
 
@@ -46,7 +47,10 @@ class Mark(NamedTuple):
         return self.source.endswith(".py")
 
     def printed(self, value: Any) -> str:
-        """Return the number as pages have it, without a sign."""
+        """Return the number as pages have it, with a sign if the format begins with +."""
+        if self.form.startswith("+"):
+            text = format(value, self.form)
+            return text if text.strip("+-0.") else text[1:]
         text = format(abs(value), self.form)
         return f"{abs(value):,}".replace(",", " ") if not self.form and abs(value) >= 10_000 else text
 

@@ -10,7 +10,7 @@ from readers.text import BadInputError
 
 
 def gradients_of(line: Line) -> Gradients:
-    """Return the gradients of a line as ETCS has them: between two rows the lower one of both [permille].
+    """Return the gradients of a line as ETCS has them: between rows the lower one of both, then the last [permille].
 
     Parameters
     ----------
@@ -33,7 +33,6 @@ def gradients_of(line: Line) -> Gradients:
         row, most = int(np.argmax(np.abs(values))), STEEPEST / 1e3
         got = f"{values[row] / 1e3:g} at {places[row]:g} m"
         raise BadInputError(f"Gradients must be from -{most:g} to {most:g}; got {got}. Give rise over length.")
-    lower = np.minimum(values[:-1], values[1:]) if values.size > 1 else values
-    starts = places[: lower.size]
+    lower = np.append(np.minimum(values[:-1], values[1:]), values[-1])  # a line keeps its last gradient beyond its end
     changes = np.append(True, np.diff(lower) != 0.0)
-    return Gradients(starts[changes], lower[changes], "permille")
+    return Gradients(places[changes], lower[changes], "permille")

@@ -31,10 +31,10 @@ class BrakeModel:
 
 #: In the order of their costs.
 BRAKE_MODELS_BY_COST = {
-    "delay": BrakeModel(Settings("delay", cells=1.0), 0.02, 0.15, False, 300.0),
-    "empirical, half a cell": BrakeModel(Settings("empirical", cells=0.5, share=0.8), 0.025, 0.06, False),
+    "delay": BrakeModel(Settings("delay", cells=1.0), 0.025, 0.15, False, 300.0),
+    "empirical, half a cell": BrakeModel(Settings("empirical", cells=0.5, share=0.8), 0.025, 0.09, False),
     "whole, a cell": BrakeModel(Settings("whole", cells=1.0), 0.0075, 0.05, True),
-    "whole, two cells": BrakeModel(Settings("whole", cells=2.0), 0.0025, 0.05, True),
+    "whole, two cells": BrakeModel(Settings("whole", cells=2.0), 0.0025, 0.06, True),
     "whole, four cells": BrakeModel(Settings("whole", cells=4.0), 0.001, 0.02, True),
     "whole, eight cells": BrakeModel(Settings("whole", cells=8.0), 0.0, 0.0, True, math.inf),
 }

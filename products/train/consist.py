@@ -21,6 +21,7 @@ from brake_controller.brake_weight import (
     percentage_of_vehicle,
     train_percentage,
 )
+from brake_controller.distributors.aar import FreightCar
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.uic import freight
 from brake_controller.drivers_valve import DriversValve, drivers_valve
@@ -29,6 +30,7 @@ from brake_controller.parking_brake import NO_PARKING_BRAKE, ParkingBrake
 from brake_controller.track_brakes import NO_TRACK_BRAKES, TrackBrakes
 from brake_controller.traction import NO_TRACTION, Traction
 from brake_controller.vehicle_brake import FRICTIONS, VehicleBrake, braking
+from products.train.running_resistance import Formula, formula_of
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.vehicle import GRAVITY, MOTION
 
@@ -93,6 +95,11 @@ class TrainVehicle:
         return dict(zip((one.name for one in MOTION), numbers, strict=True))
 
     @property
+    def formula(self) -> Formula:
+        """Formula of the running resistance of its kind, with which `resistance` is not stated."""
+        return formula_of(self.kind, isinstance(self.distributor, FreightCar))
+
+    @property
     def percentage(self) -> float:
         """Brake weight percentage [%] of its full cylinders from 100 km/h; 0 if the stop is longer than that of 0 %.
 
@@ -115,15 +122,6 @@ def forces_of(brake: VehicleBrake, pressure: NDArray[np.float64], speed: NDArray
     """Return brake forces at the rim [N] by gauge pressures [Pa] and speeds [m/s], one of each, eqs (2.4) to (2.7)."""
     given = np.tile(np.array(list(brake.values().values()))[:, None], speed.size)
     return np.ravel(np.asarray(_BRAKING((pressure + AMBIENT)[None, :], speed[None, :], given)))
-
-
-def freight_resistance(mass: float) -> tuple[float, float, float]:
-    """Return the resistance of a wagon.
-
-    1.6e-3 + 5.7e-3 (v / 27.8)^2 of its weight, as in RailProfAC's shunting stops.
-    """
-    weight = mass * GRAVITY
-    return (1.6e-3 * weight, 0.0, 5.7e-3 * weight / 27.8**2)
 
 
 def braked_by(
@@ -178,7 +176,7 @@ def wagon(load: float = 60e3, position: str = "P", weighing: str = "lever") -> T
         constant_friction=0.0,
         **FRICTIONS["composite"],
     )
-    return TrainVehicle("wagon", mass, 14.0, freight(position), brake, resistance=freight_resistance(mass))
+    return TrainVehicle("wagon", mass, 14.0, freight(position), brake, resistance=formula_of("wagon").of(mass))
 
 
 def locomotive(load: float = 0.0, position: str = "P") -> TrainVehicle:
@@ -187,7 +185,7 @@ def locomotive(load: float = 0.0, position: str = "P") -> TrainVehicle:
     Assumed: a brake weight percentage of 85 %.
     """
     mass = LOCOMOTIVE + load
-    resistance = freight_resistance(mass)
+    resistance = formula_of("locomotive").of(mass)
     return TrainVehicle(
         "locomotive",
         mass,
@@ -202,7 +200,7 @@ def locomotive(load: float = 0.0, position: str = "P") -> TrainVehicle:
 def coach(load: float = 0.0, position: str = "P") -> TrainVehicle:
     """Return a coach of 46 t and 26.4 m with discs. Assumed: a brake weight percentage of 135 % for any load."""
     mass = COACH + load
-    resistance = freight_resistance(mass)
+    resistance = formula_of("coach").of(mass)
     brake = braked_by(PERCENTAGE["coach"], mass, resistance)
     return TrainVehicle("coach", mass, 26.4, freight(position), brake, resistance=resistance)
 

@@ -314,11 +314,11 @@ def _coupler(values: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> Coup
 
 
 def _resistance(values: Mapping[str, Any], one: TrainVehicle) -> tuple[float, float, float]:
-    """Return a + b v + c v^2 of a row [N] (Davis 1926), or that of the vehicle's kind."""
+    """Return a + b v + c v^2 of a row [N] (Davis 1926), or that of the formula of its kind."""
     names = ("resistance_a", "resistance_b", "resistance_c")
     stated = [name for name in names if name in values]
     if not stated:
-        return one.resistance
+        return one.formula.of(one.mass)
     if stated not in (["resistance_a"], list(names)):
         raise ValueError(
             f"resistance_a must come alone, or all of {', '.join(names)}; got {', '.join(stated)}. Add 0s."

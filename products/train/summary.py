@@ -21,12 +21,17 @@ from rbd_model.train.vehicle import GRAVITY
 
 #: Longest time of a stop, and time between two looks whether the train stands [s]; speed below which it does [m/s].
 LONGEST, STEP, RESTS = 1800.0, 1.0, 1e-3
+#: Speed at which the resistance of a vehicle is shown [m/s].
+SHOWN = 80.0 / 3.6
 _BRAKING = braking()
 
 
 @dataclass(frozen=True)
 class OfVehicles:
-    """Equal vehicles one behind the other: of each, mass [t], length [m], brake weight percentage [%]."""
+    """Equal vehicles one behind the other: of each, mass [t], length [m], brake weight percentage [%].
+
+    resistance: at 80 km/h, and by the formula of its kind [N/t]; formula: its name.
+    """
 
     name: str
     kind: str
@@ -34,6 +39,9 @@ class OfVehicles:
     mass: float
     length: float
     percentage: float
+    resistance: float
+    resistance_by_formula: float
+    formula: str
 
 
 @dataclass(frozen=True)
@@ -96,8 +104,10 @@ def summary_of(consist: Consist, speeds: Sequence[float]) -> Summary:
     """
     kinds = []
     for one, several in groupby(consist.vehicles):
-        count = len(list(several))
-        kinds.append(OfVehicles(one.name, one.kind, count, 1e-3 * one.mass, one.length, one.percentage))
+        count, formula = len(list(several)), one.formula
+        own, usual = (1e3 * _resisted(law, SHOWN) / one.mass for law in (one.resistance, formula.of(one.mass)))
+        numbers = 1e-3 * one.mass, one.length, one.percentage, own, usual
+        kinds.append(OfVehicles(one.name, one.kind, count, *numbers, formula.name))
     braked = [kind for kind in kinds if kind.percentage > 0.0]
     weight = sum(kind.count * braked_weight(kind.percentage, 1e3 * kind.mass) for kind in braked)
     return Summary(
@@ -152,9 +162,15 @@ def brake_force(one: TrainVehicle, speed: float) -> float:
     return float(_BRAKING(full, speed, list(one.brake.values().values())))
 
 
+def _resisted(law: tuple[float, float, float], speed: float) -> float:
+    """Return a + b v + c v^2 [N] at a speed [m/s]."""
+    a, b, c = law
+    return a + b * speed + c * speed**2
+
+
 def _at(consist: Consist, speed: float) -> AtSpeed:
     metres = speed / 3.6
-    resistance = sum(a + b * metres + c * metres**2 for a, b, c in (one.resistance for one in consist.vehicles))
+    resistance = sum(_resisted(one.resistance, metres) for one in consist.vehicles)
     force = sum(brake_force(one, metres) for one in consist.vehicles)
     return AtSpeed(speed, 1e-3 * resistance, 1e-3 * force, stopping_distance(consist, metres))
 

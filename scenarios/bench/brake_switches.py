@@ -12,6 +12,7 @@ import numpy as np
 from products.train.consist import Consist
 from products.train.consist_file import consist_of
 from products.train.numbers import Settings
+from products.train.running_resistance import formula_of
 from scenarios.bench.point_train import Numbers, PointTrain, point_train
 from scenarios.benchmark.case import Case
 from scenarios.benchmark.case_file import CASES, read_case
@@ -49,10 +50,10 @@ class Switches:
         for row in rows:
             if "distributor" in row or "brake" in row:
                 del row["position"]
-        consist = consist_of(rows)
-        if not self.distributor:
-            return consist
-        changed = [replace(v, distributor=replace(v.distributor, **self.distributor)) for v in consist.vehicles]
+        changed = [
+            replace(v, distributor=replace(v.distributor, **self.distributor), resistance=formula_of(v.kind).of(v.mass))
+            for v in consist_of(rows).vehicles
+        ]  # a valve of the AAR does not change the resistance
         return Consist(tuple(changed))
 
     def train(self, inputs: Mapping[str, Any]) -> PointTrain:
@@ -72,7 +73,7 @@ AFTER = Switches(
     margin=1.18,
 )
 #: Passenger train: pads, and the margin and the build-up that MSP120's table leaves room for.
-PASSENGER = Switches(columns={"friction": "pads", "brake": "ep-direct", "fill_time": 0.5}, margin=1.06)
+PASSENGER = Switches(columns={"friction": "pads", "brake": "ep-direct", "fill_time": 0.5}, margin=1.08)
 #: Mechanisms that are switched on one at a time, in a train that brakes in full service.
 SWITCHES = {
     "emergency instead of full service": BEFORE,

@@ -11,13 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from products.train.consist import ROTATING, freight_resistance
+from products.train.consist import ROTATING
+from products.train.running_resistance import formula_of
 from rbd_model.train.vehicle import GRAVITY
 from scenarios.bench.brake_switches import Told, rms
 from scenarios.bench.point_train import SPEEDS, Numbers, PointTrain
 
 #: Step of a stop [s], and longest time in which a brake grows [s].
 STEP, LONGEST_RAMP = 0.5, 150.0
+#: Resistance of 1 kg of a loaded wagon of 80 t: a, b, c [N, N.s/m, N.s2/m2].
+_A, _B, _C = formula_of("wagon").of(80e3)
+RESISTANCE = (_A / 80e3, _B / 80e3, _C / 80e3)
 
 
 @dataclass(frozen=True)
@@ -36,7 +40,7 @@ class RampStop:
         share = np.clip((time - self.dead_time) / max(self.ramp, STEP), 0.0, 1.0)
         turning = 1.0 + ROTATING
         force = turning * self.deceleration * np.outer(share, np.maximum(1.0 - self.fall * SPEEDS, 0.05))
-        train = PointTrain(force, turning, GRAVITY, freight_resistance(1.0), 0.0, STEP)
+        train = PointTrain(force, turning, GRAVITY, RESISTANCE, 0.0, STEP)
         return self.margin * train.distances(speeds, gradients)
 
 

@@ -17,8 +17,9 @@ from rbd_model.track.irregularity import ballasted_track
 from rbd_model.vehicle.parameters import manchester_vehicle_1
 from scenarios.lines.flexible_track import RIGID, Scene, curve, peaks
 
-#: Limit of the change of peaks over tolerances and contact dampings; measured at most 5e-5 for either.
-PEAK_BAND = 0.02
+#: Limit of the change of peaks over tolerances and contact dampings, at most 7.1e-5 in 220 curves, and least change on
+#: rigid rails.
+PEAK_BAND, RIGID_CHANGE = 1e-4, 0.2
 #: Tolerance and contact damping [s/m]; the first is the default.
 DEFAULT, OTHERS = (1e-6, 1.0), ((1e-5, 1.0), (1e-7, 1.0), (1e-8, 1.0), (1e-6, 0.5), (1e-6, 2.0))
 ORDINARY = curve(300.0, 0.15)
@@ -53,8 +54,8 @@ def test_peaks_in_a_curve_hang_neither_on_the_tolerance_nor_on_the_damping_of_co
 def test_on_rigid_rails_they_hang_on_both() -> None:
     """This shows that the test above can fail; on flexible rails the same curve is stable."""
     rigid = replace(FLUTTERS, values=FLUTTERS.values | RIGID)
-    assert np.all(spread(rigid, ((1e-4, 1.0), (1e-6, 2.0))) > 10 * PEAK_BAND)
-    assert np.all(spread(FLUTTERS, ((1e-4, 1.0), (1e-6, 2.0))) < PEAK_BAND)
+    assert np.all(spread(rigid, ((1e-4, 1.0), (1e-6, 2.0))) > RIGID_CHANGE)
+    assert np.all(spread(FLUTTERS, ((1e-4, 1.0), (1e-6, 2.0))) < RIGID_CHANGE / 100)
 
 
 @pytest.mark.long

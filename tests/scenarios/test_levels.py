@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+import bogie_braking as bb
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
@@ -225,3 +226,16 @@ def test_point_level_misses_the_lock_up_between_the_two_boundaries(monkeypatch: 
     assert all(row.holds is not False for row in levels.error_rows(found) + levels.boundary_rows(found))
     monkeypatch.setattr(levels, "adhesion_of_the_cone", lambda: 1.0)
     assert any(row.holds is False for row in levels.boundary_rows(found))
+
+
+@pytest.mark.parametrize(("friction", "share", "due"), [(0.1, 0.8, 0.002), (0.1, 0.9, -0.27), (0.3, 0.95, 0.48)])
+def test_falling_friction_near_the_limit_needs_the_spatial_level(friction: float, share: float, due: float) -> None:
+    """A stop at the planar level over that at the spatial one, less 1, as docs/choosing.md has it."""
+    torque = share * levels.brake_torque(1.0) * friction / FRICTION
+    given = {f"{name}_{n}": value for name, value in (("friction", friction), ("brake_torque", torque)) for n in (1, 2)}
+    ends = []
+    for level in (PLANAR, SPATIAL):
+        fall = {"friction_ratio": 0.4, "friction_decay": 0.6, "initial_speed": 25.0, "level": level}
+        run = bb.run("bogie", 60.0, None, ["speed", "distance"], **fall, **given)
+        ends.append(run["distance"][-1])
+    assert ends[0] / ends[1] - 1.0 == pytest.approx(due, abs=0.01)

@@ -32,6 +32,7 @@ from products.supervision import (
 from products.supervision.of_run import brake_of_run
 from products.train.consist_file import consist_of
 from rbd_model.track.line import Line
+from rbd_model.track.line_files import line_from_file
 from readers.command_line import CommandLine
 from readers.text import BadInputError
 
@@ -94,8 +95,20 @@ def test_gradients_between_rows_are_the_lower_ones() -> None:
     found = gradients_of(
         Line({name: np.array(one) for name, one in rows.items()} | {"gradient": np.array([0.01, 0.01, -0.02, 0.005])})
     )
-    assert found.starts.tolist() == [0.0, 100.0]
-    assert found.permille == pytest.approx([10.0, -20.0])
+    assert found.starts.tolist() == [0.0, 100.0, 300.0]
+    assert found.permille == pytest.approx([10.0, -20.0, 5.0])
+
+
+def test_the_hill_of_the_page_falls_where_it_says(tmp_path: Path) -> None:
+    """Limits and own stops have one hill: level up to 490 m and from 1510 m on, 10 permille down in between."""
+    block = (Path(__file__).parents[2] / "docs" / "etcs.md").read_text("utf-8").split("```csv\n")[1].split("```")[0]
+    (tmp_path / "hill.csv").write_text(block)
+    line = line_from_file(tmp_path / "hill.csv")
+    places, gradient = line.rows["distance"], line.rows["gradient"]
+    assert np.interp([250.0, 500.0, 1000.0, 1600.0], places, gradient).tolist() == [0.0, -0.005, -0.01, 0.0]
+    found = gradients_of(line)
+    assert found.starts.tolist() == [0.0, 490.0, 1510.0]
+    assert found.permille == pytest.approx([0.0, -10.0, 0.0])
 
 
 def test_own_stops_from_the_limit_end_before_the_target(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from brake_controller.air import AMBIENT
 from brake_controller.distributors import DISTRIBUTORS
 from products.train.consist_file import consist_of
 from products.train.driver import HoldingDriver
@@ -65,6 +66,19 @@ def test_a_driver_holds_a_train_whose_brakes_release_wholly(gradient: float) -> 
         train.advance(driver.period)
         assert 13.0 < train.speed[0] < 17.0
     assert released > 2
+
+
+def test_repeated_releases_exhaust_the_reservoirs_of_a_long_heavy_train() -> None:
+    """docs/train.md: full service then leaves less than 1 bar in the cylinders, and the train runs away."""
+    wagons = {"kind": "wagon", "distributor": "aar", "count": 30, "mass": 100.0}
+    train = train_of([{"kind": "locomotive", "distributor": "aar"}, wagons], -0.015, speed=50.0 / 3.6)
+    driver = HoldingDriver(50.0 / 3.6)
+    for _ in range(600):
+        driver.act(train)
+        train.advance(driver.period)
+    assert train.inputs["driver_step"][0] == 1.0
+    assert train.speed[0] - driver.speed > 5.0
+    assert np.mean(train.air.vehicle_pressures("cylinder")) - AMBIENT < 1e5
 
 
 @pytest.mark.parametrize(("name", "deceleration"), [("coaches", 0.5), ("metro", 0.9)])
