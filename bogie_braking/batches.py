@@ -30,6 +30,7 @@ from products.vehicle_file import DataSheet
 from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.track.line import Line
 from readers.storage import ANOTHER_TEMPORARY, writing
+from readers.usual import almost_0, is_almost_0
 
 #: Parameters that name a file of all runs; a line is given as such.
 FILES = (PAIR_FILE.variable.name,)
@@ -173,6 +174,11 @@ def prepared(
     library = batch_machine_of(what, single, line is not None)
     for name in values:
         known(name, [*variables_of_batch(library), *options], "variable")
+    variables = variables_of_batch(library)
+    for name in numbers.keys() & variables.keys():
+        unit, most = variables[name].unit, variables[name].maximum
+        if small := [value for value in numbers[name].ravel().tolist() if is_almost_0(value, unit)]:
+            raise refused(almost_0(name, small[0], unit, most))
     for name in library.model.selectors:
         if name in numbers.keys() - single.keys():
             raise ValueError(
