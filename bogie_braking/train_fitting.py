@@ -25,6 +25,7 @@ from products.train.train import Train
 from rbd_model.track.line import Line
 from readers.columns import Column
 from readers.tables import read_table
+from readers.usual import likely_unit
 
 #: Relative step of a parameter for a finite difference.
 STEP = 1e-3
@@ -171,7 +172,8 @@ def _check_pressure(pressures: np.ndarray) -> None:
     if most < LEAST_CHARGED:
         raise ValueError(
             f"pipe_pressure must reach {LEAST_CHARGED:g} Pa, as the pipe is charged before it brakes; got at most "
-            f"{most:g} Pa. Correct its unit, or leave the column out."
+            f"{most:g} Pa.{likely_unit(most, 'Pa', LEAST_CHARGED, MOST_PRESSURE)} Correct its unit, or leave the column "
+            "out."
         )
 
 

@@ -42,8 +42,8 @@ class Variable:
     unit, description : str
         SI unit; "1" for a pure number. A text for people.
     start, minimum, maximum : float
-        Start value and limits, in the unit. A string starts empty. Infinite limits of a real input or parameter are
-        replaced by the widest of the unit, WIDEST of readers/usual.py.
+        Start value and limits, in the unit. A string starts empty.
+        Infinite limits of a real input or parameter become the widest of its unit (readers/usual.py).
     kind : str
         "real", "integer", "boolean" or "string".
     display_unit : str, optional

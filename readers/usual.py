@@ -7,9 +7,8 @@ from typing import Any
 
 from readers.units import factor, quantity_of
 
-#: Usual sizes by quantity, in SI units: vehicles on main lines, their parts and brakes. A reading of a number is judged
-#: by them. Pressures: a first step of a brake is 0.3 to 0.5 bar, a main reservoir has 10 bar (UIC 540). Speeds: trains
-#: are rarely faster than 144 km/h.
+#: Usual sizes by quantity, in SI units: vehicles on main lines, their parts and brakes. They decide which reading of a
+#: number is likely. Assumed. A main reservoir has 10 bar, and trains are rarely faster than 144 km/h.
 USUAL: dict[str, tuple[float, float]] = {
     "ratio": (0.01, 2.0),
     "length": (0.01, 100.0),
