@@ -69,7 +69,7 @@ def _recorded_of(consist: Consist) -> list[Array]:
     return [one for one in RECORDED if one.name not in left_out]
 
 
-def _idle_of(consist: Consist) -> dict[str, str]:
+def idle_inputs(consist: Consist) -> dict[str, str]:
     """Return the inputs that no vehicle of a consist uses, and what it lacks."""
     vehicles = consist.vehicles
     uses = {
@@ -152,7 +152,7 @@ class Train:
         self._outputs = {name: self._view(self._call.train_output, row) for name, row in OUTPUT.items()}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
         self._recorded = _recorded_of(consist)
-        self._idle = _idle_of(consist)
+        self._idle = idle_inputs(consist)
 
     def _view(self, call: Any, row: int) -> NDArray[np.float64]:
         count = ctypes.c_longlong()
