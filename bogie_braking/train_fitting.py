@@ -172,8 +172,8 @@ def _check_pressure(pressures: np.ndarray) -> None:
     if most < LEAST_CHARGED:
         raise ValueError(
             f"pipe_pressure must reach {LEAST_CHARGED:g} Pa, as the pipe is charged before it brakes; got at most "
-            f"{most:g} Pa.{likely_unit(most, 'Pa', LEAST_CHARGED, MOST_PRESSURE)} Correct its unit, or leave the column "
-            "out."
+            f"{most:g} Pa.{likely_unit(most, 'Pa', LEAST_CHARGED, MOST_PRESSURE)} Correct its unit, or leave the "
+            "column out."
         )
 
 

@@ -33,6 +33,8 @@ ARGUMENTS = ("time", "states", "inputs", "input_rates", "parameters", "derived",
 class Variable:
     """One entry of the table of variables.
 
+    Infinite limits of a real input or parameter become the widest of its unit, WIDEST of readers/usual.py.
+
     Parameters
     ----------
     name : str
@@ -43,7 +45,6 @@ class Variable:
         SI unit; "1" for a pure number. A text for people.
     start, minimum, maximum : float
         Start value and limits, in the unit. A string starts empty.
-        Infinite limits of a real input or parameter become the widest of its unit (readers/usual.py).
     kind : str
         "real", "integer", "boolean" or "string".
     display_unit : str, optional
