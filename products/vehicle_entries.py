@@ -22,7 +22,7 @@ from readers.command_line import number_in
 from readers.documents import is_number
 from readers.text import quoted, shown
 from readers.units import different_units
-from readers.usual import likely_unit
+from readers.usual import SOFTEST, likely_unit
 
 #: Vehicles whose values are assumed where a file has none: their description, and their parameters.
 LIKE: Mapping[str, tuple[str, Callable[[], BogieParameters]]] = {
@@ -81,7 +81,8 @@ def parameter_entry(item: Field[Any]) -> Entry:
     """Return the entry for a parameter of a set, by its unit and limits."""
     about = item.metadata
     whole = about["kind"] == "integer"
-    return Entry(about["unit"], about["minimum"], about["maximum"], about["description"], whole=whole)
+    above_0 = SOFTEST if about["unit"] == "N/m" else 0.0
+    return Entry(about["unit"], about["minimum"], about["maximum"], about["description"], whole=whole, above_0=above_0)
 
 
 def number_of(entry: Entry, value: Any, name: str) -> float:
@@ -127,7 +128,8 @@ def _limits(entry: Entry) -> str:
     unit = "" if entry.unit == "1" else f" {entry.unit}"
     if entry.whole:
         return f"an integer from {entry.least:g} to {entry.most:g}"
-    return f"{'0 or ' if entry.above_0 else ''}from {max(entry.least, entry.above_0):g} to {entry.most:g}{unit}"
+    none = "0 or " if entry.above_0 and entry.least <= 0.0 else ""
+    return f"{none}from {max(entry.least, entry.above_0):g} to {entry.most:g}{unit}"
 
 
 def choice_of(choices: Collection[str], value: Any, name: str, remedy: str) -> str:

@@ -55,6 +55,8 @@ SI = {"%": "1", "permille": "1", "mm": "m", "km/h": "m/s", "t": "kg", "bar": "Pa
 ICE = 273.15
 #: Smallest pressure of a brake above 0 [Pa]: below it return springs hold every piston, at 0.1 bar and more.
 LEAST_PRESSURE = 5e3
+#: Stiffness below which a number is in another unit [N/m], unless a spring is to have no effect.
+SOFTEST = 100.0
 
 #: Largest sizes by unit, in SI units, of inputs and parameters that state no limit: some ten times what railways have.
 #: Heaviest wagons and strongest couplers have 1e6 kg and 10 MN, rigid suspensions 1e10 N/m, main reservoirs 1 MPa.
@@ -76,9 +78,9 @@ WIDEST: dict[str, float] = {
     "kg/s": 1e3,
     "kg.m2": 1e9,
     "N": 1e8,
-    "N.m": 1e8,
+    "N.m": 1e9,
     "N/m": 1e12,
-    "N.s/m": 1e9,
+    "N.s/m": 1e10,
     "N.s2/m2": 1e6,
     "N.m/rad": 1e12,
     "N.m.s/rad": 1e9,
@@ -141,10 +143,12 @@ def almost_0(name: str, value: float, unit: str, most: float = math.inf) -> str:
 
 
 def note(name: str, value: float, unit: str) -> str:
-    """Return a message about a speed that is possible and rare, or no text: a number in km/h is likelier."""
-    if unit != "m/s" or not abs(value) > usual_range(unit)[1]:
+    """Return a message about a speed or stiffness that is possible and rare, or no text."""
+    is_fast = unit == "m/s" and abs(value) > usual_range(unit)[1]
+    if not is_fast and not (unit == "N/m" and 0.0 < value < SOFTEST):
         return ""
-    return f"{name} is {value:g} m/s = {3.6 * value:g} km/h.{likely_unit(value, unit, -math.inf, math.inf)}"
+    also = f" = {3.6 * value:g} km/h" if is_fast else ""
+    return f"{name} is {value:g} {unit}{also}.{likely_unit(value, unit, -math.inf, math.inf)}"
 
 
 def likely_unit(value: float, unit: str, least: float, most: float) -> str:

@@ -53,7 +53,6 @@ def test_a_variable_that_states_wider_limits_keeps_them() -> None:
         ({"supply_pressure": 380.0}, "Did you mean 380 kPa"),
         ({"supply_pressure": 3800.0}, "Did you mean 3800 mbar"),
         ({"application_time": 800.0}, "Did you mean 800 ms"),
-        ({"lateral_stiffness": 3.9}, "Did you mean 3.9 kN/mm"),
         ({"pressure_demand_1": ([0.0, 1.0], [0.0, 3800.0])}, "Did you mean 3800 mbar"),
     ],
 )

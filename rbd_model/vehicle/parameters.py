@@ -14,8 +14,6 @@ POSITIVE = 1e-6
 #: Smallest masses [kg]: below those of models at a scale of 1:5, which have 1/125 of the mass, and above the numbers of
 #: masses in t. A sprung mass is that of one body on two axles.
 LEAST_BODY, LEAST_SPRUNG, LEAST_FRAME, LEAST_WHEELSET = 100.0, 100.0, 10.0, 5.0
-#: Softest spring of a suspension [N/m]: below models at a scale of 1:5, above the numbers of stiffnesses in MN/m.
-SOFTEST = 100.0
 #: Largest half lateral distance [m]: half of a vehicle's width on the widest gauges, rounded up.
 WIDEST = 3.0
 #: Largest height over or below the axles [m], and largest factor on friction.
@@ -46,9 +44,9 @@ class BogieParameters(ParameterSet):
         "m", "Half of the lateral distance of the vertical springs, which resist roll", POSITIVE, WIDEST
     )
     wheel_radius: float = quantity("m", "Nominal rolling radius of the wheels (r_w)", POSITIVE, LARGEST_RADIUS)
-    longitudinal_stiffness: float = quantity("N/m", "Suspension element, longitudinal stiffness", SOFTEST)
-    lateral_stiffness: float = quantity("N/m", "Suspension element, lateral stiffness", SOFTEST)
-    vertical_stiffness: float = quantity("N/m", "Suspension element, vertical stiffness", SOFTEST)
+    longitudinal_stiffness: float = quantity("N/m", "Suspension element, longitudinal stiffness", POSITIVE)
+    lateral_stiffness: float = quantity("N/m", "Suspension element, lateral stiffness", POSITIVE)
+    vertical_stiffness: float = quantity("N/m", "Suspension element, vertical stiffness", POSITIVE)
     longitudinal_damping: float = quantity("N.s/m", "Suspension element, longitudinal damping", 0.0)
     lateral_damping: float = quantity("N.s/m", "Suspension element, lateral damping", 0.0)
     vertical_damping: float = quantity("N.s/m", "Suspension element, vertical damping", 0.0)
@@ -121,9 +119,9 @@ class VehicleParameters(BogieParameters):
     secondary_height: float = quantity(
         "m", "Height of the secondary springs above the wheelset axes", -HIGHEST, HIGHEST
     )
-    secondary_longitudinal_stiffness: float = quantity("N/m", "Secondary suspension, longitudinal stiffness", SOFTEST)
-    secondary_lateral_stiffness: float = quantity("N/m", "Secondary suspension, lateral stiffness", SOFTEST)
-    secondary_vertical_stiffness: float = quantity("N/m", "Secondary suspension, vertical stiffness", SOFTEST)
+    secondary_longitudinal_stiffness: float = quantity("N/m", "Secondary suspension, longitudinal stiffness", POSITIVE)
+    secondary_lateral_stiffness: float = quantity("N/m", "Secondary suspension, lateral stiffness", POSITIVE)
+    secondary_vertical_stiffness: float = quantity("N/m", "Secondary suspension, vertical stiffness", POSITIVE)
     secondary_longitudinal_damping: float = quantity("N.s/m", "Secondary suspension, longitudinal damping", 0.0)
     secondary_lateral_damping: float = quantity("N.s/m", "Secondary suspension, lateral damping", 0.0)
     secondary_vertical_damping: float = quantity("N.s/m", "Secondary suspension, vertical damping", 0.0)

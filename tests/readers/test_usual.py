@@ -53,6 +53,8 @@ def test_pressures_below_those_of_any_brake_are_found_in_each_unit() -> None:
     assert almost_0("cut_out", 0.0048, "bar", 4.8) == "cut_out must be 0 or reach 0.05 bar; got 0.0048 bar."
 
 
-def test_speeds_that_are_rare_are_noted() -> None:
+def test_rare_numbers_are_noted() -> None:
     assert note("speed", 120.0, "m/s") == "speed is 120 m/s = 432 km/h. Did you mean 120 km/h = 33.33 m/s?"
+    assert note("spring", 3.9, "N/m") == "spring is 3.9 N/m. Did you mean 3.9 kN/mm = 3.9e+06 N/m?"
+    assert note("spring", 0.0, "N/m") == ""
     assert note("speed", 33.0, "m/s") == note("length", 120.0, "m") == ""
