@@ -79,7 +79,7 @@ WIDEST: dict[str, float] = {
     "kg.m2": 1e9,
     "N": 1e8,
     "N.m": 1e9,
-    "N/m": 1e12,
+    "N/m": 1e13,
     "N.s/m": 1e10,
     "N.s2/m2": 1e6,
     "N.m/rad": 1e12,

@@ -14,6 +14,8 @@ POSITIVE = 1e-6
 #: Smallest masses [kg]: below those of models at a scale of 1:5, which have 1/125 of the mass, and above the numbers of
 #: masses in t. A sprung mass is that of one body on two axles.
 LEAST_BODY, LEAST_SPRUNG, LEAST_FRAME, LEAST_WHEELSET = 100.0, 100.0, 10.0, 5.0
+#: Mass and inertia of a sprung mass that stands for the ground in checks of theory [kg, kg.m2].
+ANCHORED = 1e11
 #: Largest half lateral distance [m]: half of a vehicle's width on the widest gauges, rounded up.
 WIDEST = 3.0
 #: Largest height over or below the axles [m], and largest factor on friction.
@@ -27,10 +29,10 @@ AS_PRINTED = {"torque_reaction": 0.0, "flange_at_rail": 0.0}
 class BogieParameters(ParameterSet):
     """A two-axle bogie with one sprung mass; stiffness and damping of one of its four suspension elements."""
 
-    frame_mass: float = quantity("kg", "Sprung mass carried by the two wheelsets", LEAST_SPRUNG)
-    frame_roll_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about x (I_xx)", POSITIVE)
-    frame_pitch_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about y (I_yy)", POSITIVE)
-    frame_yaw_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about z (I_zz)", POSITIVE)
+    frame_mass: float = quantity("kg", "Sprung mass carried by the two wheelsets", LEAST_SPRUNG, ANCHORED)
+    frame_roll_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about x (I_xx)", POSITIVE, ANCHORED)
+    frame_pitch_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about y (I_yy)", POSITIVE, ANCHORED)
+    frame_yaw_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about z (I_zz)", POSITIVE, ANCHORED)
     frame_height: float = quantity("m", "Height of the sprung mass's centre above the wheelset axes", -HIGHEST, HIGHEST)
     wheelset_mass: float = quantity("kg", "Mass of one wheelset", LEAST_WHEELSET)
     wheelset_roll_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about x (I_xx)", POSITIVE)
