@@ -135,9 +135,27 @@ def kinds_of(chosen: argparse.Namespace) -> list[str]:
             )
     if chosen.describe and chosen.model in (*NOT_OF_EQUATIONS, "ssp"):
         raise BadInputError(f"--describe must be with an FMU of {', '.join(FMUS)}; got {chosen.model}.")
+    if chosen.wheelsets != BOGIE and chosen.model != "sensor" and not chosen.controller:
+        raise BadInputError(
+            f"--wheelsets belongs to the sensor and to --controller; got {chosen.model}. Write: sensor --wheelsets "
+            f"{chosen.wheelsets}."
+        )
+    if chosen.describe:
+        check_describe(chosen)
     if chosen.controller:
         check_controller(chosen)
     return able if chosen.kind == "all" else [chosen.kind]
+
+
+def check_describe(chosen: argparse.Namespace) -> None:
+    """Refuse options that have no effect on a table of variables. Raises BadInputError."""
+    given = {
+        "--controller": chosen.controller,
+        "--kind": chosen.kind != "all",
+        "--platforms": chosen.platforms != "own",
+    }
+    if idle := [name for name, is_given in given.items() if is_given]:
+        raise BadInputError(f"{idle[0]} has no effect with --describe, which builds nothing. Leave one out.")
 
 
 def check_controller(chosen: argparse.Namespace) -> None:

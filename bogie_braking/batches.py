@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ from products.vehicle_file import DataSheet
 from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.track.line import Line
 from readers.storage import ANOTHER_TEMPORARY, writing
+from readers.usual import almost_0, is_almost_0, note
 
 #: Parameters that name a file of all runs; a line is given as such.
 FILES = (PAIR_FILE.variable.name,)
@@ -86,7 +88,20 @@ def batch(
     library, given = prepared(what, line, values, ("messages",))
     names = names_of(outputs, variables_of_batch(library))
     with tempfile.TemporaryDirectory() as folder:
-        return run_batch(library, given, duration, names, threads_or_none(threads), file_of(line, folder), messages)
+        ends = run_batch(library, given, duration, names, threads_or_none(threads), file_of(line, folder), messages)
+    return _with_notes(ends, library, given)
+
+
+def _with_notes(ends: Ends, library: BatchLibrary, given: Mapping[str, np.ndarray | str]) -> Ends:
+    """Return the ends with messages about rare values, before those of each run, as a single run has them."""
+    if ends.messages is None:
+        return ends
+    variables, said = variables_of_batch(library), list(ends.messages)
+    for name in reversed([name for name, value in given.items() if name in variables and not isinstance(value, str)]):
+        for run, value in enumerate(np.broadcast_to(given[name], len(said)).tolist()):
+            if run not in ends.failures and (text := note(name, value, variables[name].unit)):
+                said[run] = " ".join(filter(None, (text, said[run])))
+    return replace(ends, messages=said)
 
 
 def instances(
@@ -173,6 +188,11 @@ def prepared(
     library = batch_machine_of(what, single, line is not None)
     for name in values:
         known(name, [*variables_of_batch(library), *options], "variable")
+    variables = variables_of_batch(library)
+    for name in numbers.keys() & variables.keys():
+        unit, most = variables[name].unit, variables[name].maximum
+        if small := [value for value in numbers[name].ravel().tolist() if is_almost_0(value, unit)]:
+            raise refused(almost_0(name, small[0], unit, most))
     for name in library.model.selectors:
         if name in numbers.keys() - single.keys():
             raise ValueError(

@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
 #: Distance from a limit at which a fitted value is at it, over the limit or the value at the start.
 AT_LIMIT = 1e-3
+#: Limits over start values above which a fit has no bound: `least_squares` scales its steps by the distance to bounds.
+FAR = 1e3
 #: Relative step of a parameter for a finite difference. Runs are accurate to a tolerance of 1e-6.
 STEP = 1e-3
 #: Largest number of rows of a run, between which measured instants are interpolated.
@@ -198,10 +200,11 @@ class _Runs:
     def fitted(self, limits: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the shares that fit best, and the slopes of the scaled outputs by them; limits: of the parameters."""
         there, sizes = np.isfinite(self.data.wanted[: self.last]), self.data.sizes(self.last)
+        bounds = np.sort(limits / self.first[:, None]).T
         found = least_squares(
             lambda share: (self.off_by(share, self.last) / sizes)[there],
             np.ones_like(self.first),
-            bounds=np.sort(limits / self.first[:, None]).T,
+            bounds=np.where(np.abs(bounds) > FAR, np.copysign(np.inf, bounds), bounds),
             diff_step=STEP,
         )
         return found.x, found.jac

@@ -11,7 +11,7 @@ import numpy as np
 from bogie_braking.checks import number, refused
 from bogie_braking.times_and_values import times_and_values
 from fmu_src.system import Variable
-from readers.units import LEAST_PRESSURE, likely_unit
+from readers.usual import almost_0, is_almost_0, likely_unit
 
 #: Value of an input or parameter, or the path of a file. An input may also be a function of time [s], columns of times
 #: [s] and values, rows of (time, value), or an array with a field `time`.
@@ -72,9 +72,8 @@ class History:
             raise refused(f"The times of {name} must increase; row {where} has {times[where]:g} s.")
         for time, value in zip(times, values, strict=True):
             self._allowed(float(time), float(value))
-        if self.variable.unit == "Pa" and 0.0 < (most := float(np.max(values))) < LEAST_PRESSURE:
-            hint = likely_unit(most, "Pa", LEAST_PRESSURE, math.inf)
-            raise refused(f"{name} must be 0 or reach {LEAST_PRESSURE:g} Pa; got at most {most:g} Pa.{hint}")
+        if is_almost_0(most := float(np.max(values, initial=0.0)), self.variable.unit):
+            raise refused(almost_0(name, most, "Pa", self.variable.maximum))
         return times, values
 
     def _allowed(self, time: float, value: Any) -> float:
@@ -83,4 +82,5 @@ class History:
         if one.minimum <= found <= one.maximum and math.isfinite(found):
             return found
         limits = f"from {one.minimum:g} to {one.maximum:g} {one.unit}"
-        raise refused(f"{one.name} must be a finite value {limits} at all times; got {value!r} at {time:g} s.")
+        hint = likely_unit(found, one.unit, one.minimum, one.maximum)
+        raise refused(f"{one.name} must be a finite value {limits} at all times; got {value!r} at {time:g} s.{hint}")

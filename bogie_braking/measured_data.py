@@ -14,6 +14,7 @@ from bogie_braking.histories import Value
 from fmu_src.cosimulation.recording import Recording
 from readers.log_columns import ColumnMap
 from readers.log_rows import after_events, averaged, filled
+from readers.usual import LEAST_PRESSURE, is_almost_0, likely_unit
 
 #: Size of errors, relative to the range of the measured values, from which a run does not describe them.
 FAILS = 0.2
@@ -21,8 +22,6 @@ FAILS = 0.2
 UNIT_RATIOS = {3.6: "km/h", 1 / 0.44704: "mph"}
 #: Relative deviation from such a ratio, least speed for which it is tested [m/s], and relative mismatch that is told.
 NEAR_RATIO, LEAST_SPEED, MISMATCH = 0.03, 1.0, 0.1
-#: Greatest pressure of a column below which it is in another unit [Pa]: 10 bar and 1000 kPa as numbers under Pa.
-LEAST_PRESSURE = 1000.0
 #: Longest average and longest gap [s].
 LONGEST = 86400.0
 
@@ -140,11 +139,10 @@ def check_pressure(name: str, values: np.ndarray) -> None:
         If its greatest pressure is above 0, and below LEAST_PRESSURE.
     """
     most = float(np.nanmax(np.abs(values), initial=0.0))
-    if 0.0 < most < LEAST_PRESSURE:
-        unit = "kPa" if most > 20.0 else "bar"
+    if is_almost_0(most, "Pa"):
         raise ValueError(
-            f"{name} must reach {LEAST_PRESSURE:g} Pa in the measured data; got at most {most:.4g} Pa, as if in {unit}."
-            " Correct the unit of the column, or leave the column out."
+            f"{name} must reach {LEAST_PRESSURE:g} Pa in the measured data; got at most {most:.4g} Pa."
+            f"{likely_unit(most, 'Pa', LEAST_PRESSURE, math.inf)} Correct the unit of the column, or leave it out."
         )
 
 

@@ -16,12 +16,13 @@ from bogie_braking.machines import Machine, Runnable, machine_at, machine_of, un
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import MOST_NUMBERS, Kernel, SimulationError
 from fmu_src.refusals import without_value_before
-from fmu_src.system import NONE
+from fmu_src.system import NONE, Variable
 from products.registry import FMUS
 from products.vehicle_file import DataSheet
 from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.track.line import Line
 from rbd_model.track.line_table import LINE
+from readers.usual import almost_0, is_almost_0, note
 
 #: The parameters that name a line's file and that of a contact table.
 LINE_FILE, PROFILE_FILE = LINE.variable.name, PAIR_FILE.variable.name
@@ -159,12 +160,21 @@ class Simulation:
             if name not in self._machine.variables:
                 raise refused(f"There is no variable {name}; {near(name, self._machine.variables)}")
             if isinstance(value, str) or is_number(value):
+                if not isinstance(value, str) and not self._kernel.initialised:
+                    self._weigh(self._machine.variables[name], float(value))
                 self._kernel.set(**{name: value if isinstance(value, str) else float(value)})
                 self._histories.pop(name, None)
             else:
                 history = History(self._machine.variables[name], value)
                 self._kernel.set(**{name: history.at(self.time)})
                 self._histories[name] = history
+
+    def _weigh(self, variable: Variable, value: float) -> None:
+        """Refuse a start value that no brake has; add a message about one that is rare."""
+        if value >= variable.minimum and is_almost_0(value, variable.unit):
+            raise refused(almost_0(variable.name, value, variable.unit, variable.maximum))
+        if said := note(variable.name, value, variable.unit):
+            self._kernel.messages.append(said)
 
     def advance(self, duration: float, names: Sequence[str] | None = None, interval: float = INTERVAL) -> Recording:
         """Advance by a duration and record outputs, or the variables `names`.

@@ -26,6 +26,7 @@ from rbd_model.track.line import Line
 from readers.columns import Column
 from readers.log_rows import after_events
 from readers.tables import read_table
+from readers.usual import likely_unit
 
 #: Relative step of a parameter for a finite difference.
 STEP = 1e-3
@@ -175,7 +176,8 @@ def _check_pressure(pressures: np.ndarray) -> None:
     if most < LEAST_CHARGED:
         raise ValueError(
             f"pipe_pressure must reach {LEAST_CHARGED:g} Pa, as the pipe is charged before it brakes; got at most "
-            f"{most:g} Pa. Correct its unit, or leave the column out."
+            f"{most:g} Pa.{likely_unit(most, 'Pa', LEAST_CHARGED, MOST_PRESSURE)} Correct its unit, or leave the "
+            "column out."
         )
 
 

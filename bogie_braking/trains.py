@@ -68,6 +68,13 @@ def train(
     line = line_or_none(line)
     if not isinstance(releases, bool | np.bool_):
         raise TypeError(f"releases must be True or False; got {shown(releases)}. Write one of them.")
+    for name, value, usual in (
+        ("distance_error", distance_error, 0.01),
+        ("force_error", force_error, 0.05),
+        ("releases", releases, True),
+    ):
+        if settings is not None and value != usual:
+            raise ValueError(f"{name} has no effect with settings, which state the brake model. Leave one out.")
     own, imported = consist_from_any(consist)
     chosen = settings or select_brake_model(own, distance_error, force_error, bool(releases))
     found = Train(own, speed=speed, line=line, settings=chosen)

@@ -28,7 +28,7 @@ TREADS_ALONE = ("shoes", "wheel_radius", "friction_law", "constant_shoe_friction
 class DiscParameters(ParameterSet):
     """All discs of one wheelset, alike and equally warm."""
 
-    friction_radius: float = quantity("m", "Radius at which the pads rub", 1e-3)
+    friction_radius: float = quantity("m", "Radius at which the pads rub", 1e-3, 2.0)
     pad_friction_at_rest: float = quantity("1", "Friction of the pads at rest on cold discs", 0.0, 2.0)
     pad_friction_over_speed: float = quantity("s/m", "Fall of friction with each m/s of sliding", 0.0)
     pad_friction_over_temperature: float = quantity("1/K", "Fall of friction with each K above the surroundings", 0.0)

@@ -32,7 +32,7 @@ class ElectricBrake(OverSpeed):
     blended_pressure: float = quantity("Pa", "Full pressure of a direct electro-pneumatic brake; 0 without one", 0.0)
     dead_time: float = quantity("s", "Time from the driver's command to the vehicle's answer", 0.0, 9.0)
     dynamic_force: float = quantity("N", "Largest force of the electric brake at the rims", 0.0)
-    dynamic_power: float = quantity("W", "Largest power of the electric brake at the rims", 0.0)
+    dynamic_power: float = quantity("W", "Largest power of the electric brake at the rims", 0.0, NO_LIMIT)
     dynamic_fade: float = quantity("m/s", "Speed below which the electric brake fades out linearly", 0.0)
     dynamic_rise: float = quantity("s", "Time of the electric brake's rise to its largest force, and of its fall", 0.0)
     blending: float = choice("Air with the electric brake", {FILLS: "it fills", ADDS: "both add", CLOSES: "it is shut"})

@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from brake_controller.air import HEAT_CAPACITY_RATIO
 from fmu_src.system import ParameterSet, quantity
 
+#: Largest diameter of a restriction [m].
+LARGEST_ORIFICE = 0.1
+
 
 @dataclass(frozen=True)
 class FlowParameters(ParameterSet):
@@ -16,11 +19,15 @@ class FlowParameters(ParameterSet):
         "1", "Exponent of the air in the cylinder: 1.4 adiabatic walls, 1 isothermal", 1.0, HEAT_CAPACITY_RATIO
     )
     discharge_coefficient: float = quantity("1", "Effective over geometric area of the restrictions (C_d)", 0.01, 1.0)
-    application_orifice: float = quantity("m", "Diameter of the restriction between regulator and cylinder", 1e-5)
-    release_orifice: float = quantity("m", "Diameter of the restriction of the exhaust", 1e-5)
-    vent_orifice: float = quantity("m", "Diameter of the opening to the surroundings when the valve vents", 1e-5)
+    application_orifice: float = quantity(
+        "m", "Diameter of the restriction between regulator and cylinder", 1e-5, LARGEST_ORIFICE
+    )
+    release_orifice: float = quantity("m", "Diameter of the restriction of the exhaust", 1e-5, LARGEST_ORIFICE)
+    vent_orifice: float = quantity(
+        "m", "Diameter of the opening to the surroundings when the valve vents", 1e-5, LARGEST_ORIFICE
+    )
     piston_area: float = quantity("m2", "Area of the piston", 1e-5)
     dead_volume: float = quantity("m3", "Volume of the cylinder and its line with the piston at rest", 1e-6)
-    piston_slack: float = quantity("m", "Travel of the piston until the shoes touch the wheel", 0.0)
+    piston_slack: float = quantity("m", "Travel of the piston until the shoes touch the wheel", 0.0, 1.0)
     spring_preload: float = quantity("N", "Force of the return spring with the piston at rest", 0.0)
     spring_stiffness: float = quantity("N/m", "Stiffness of the return spring", 1.0)

@@ -10,16 +10,18 @@ from fmu_src.system import ParameterSet, choice, quantity
 
 #: Fall of law 4 with sliding speed [s/m]. Assumed.
 FALLING_FRICTION_CONSTANT = 0.02
-#: Smallest pressure of a supply [Pa]: far below any, and above the numbers of pressures in bar and kPa.
-LEAST_SUPPLY = 1e3
+#: Smallest pressure of a supply [Pa]: below any, and above the numbers of pressures in bar, kPa and mbar.
+LEAST_SUPPLY = 2e4
+#: Longest rise and fall of a pressure [s]: five times that of freight trains in position G, UIC 540.
+LONGEST_RISE = 300.0
 
 
 @dataclass(frozen=True)
 class BrakeParameters(ParameterSet):
     """One brake cylinder system that brakes one wheelset with tread shoes."""
 
-    application_time: float = quantity("s", "Time from 0 to 95 % of the demanded pressure", 1e-3)
-    release_time: float = quantity("s", "Time from 100 % to 5 % of the pressure", 1e-3)
+    application_time: float = quantity("s", "Time from 0 to 95 % of the demanded pressure", 1e-3, LONGEST_RISE)
+    release_time: float = quantity("s", "Time from 100 % to 5 % of the pressure", 1e-3, LONGEST_RISE)
     supply_pressure: float = quantity("Pa", "Largest pressure the regulator lets through", LEAST_SUPPLY)
     force_per_pressure: float = quantity(
         "N/Pa", "Normal force of all shoes of the bogie per pressure (pi/4 D^2 i_t)", 0.0
@@ -31,7 +33,7 @@ class BrakeParameters(ParameterSet):
         "Pa", "Pressure at which the piston has brought the shoes to the wheel against its return spring", 0.0
     )
     rigging_efficiency: float = quantity("1", "Effective over calculated shoe force (eta)", 0.0, 1.0)
-    wheel_radius: float = quantity("m", "Radius at which the shoes rub (r_w)", 1e-3)
+    wheel_radius: float = quantity("m", "Radius at which the shoes rub (r_w)", 1e-3, 2.0)
     friction_law: float = choice("Shoe friction", LAWS)
     constant_shoe_friction: float = quantity(
         "1", "Shoe friction coefficient of law 0, and of law 4 at rest (mu_b)", 0.0, 2.0

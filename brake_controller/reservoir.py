@@ -20,7 +20,9 @@ class ReservoirParameters(ParameterSet):
     feed_pressure: float = quantity(
         "Pa", "Pressure of the pipe that feeds the reservoir, through a check valve", LEAST_SUPPLY
     )
-    feed_orifice: float = quantity("m", "Diameter of the restriction between pipe and reservoir; 0: it is cut off", 0.0)
+    feed_orifice: float = quantity(
+        "m", "Diameter of the restriction between pipe and reservoir; 0: it is cut off", 0.0, 0.1
+    )
 
 
 def air_reservoir(defaults: ReservoirParameters, ambient: Variable, temperature: Variable, cylinders: int) -> System:

@@ -23,7 +23,7 @@ class Traction(OverSpeed):
     """The motors of one vehicle, which drive it forwards."""
 
     traction_force: float = quantity("N", "Largest force of the motors at the rims; 0 without motors", 0.0)
-    traction_power: float = quantity("W", "Largest power of the motors at the rims", 0.0)
+    traction_power: float = quantity("W", "Largest power of the motors at the rims", 0.0, NO_LIMIT)
     traction_rise: float = quantity("s", "Time of the motors' rise to their largest force, and of its fall", 0.0)
     traction_cut_out: float = quantity("Pa", "Gauge pressure in the pipe below which the motors are off", 0.0)
 

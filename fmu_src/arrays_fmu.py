@@ -21,6 +21,7 @@ from fmu_src.identity import identifier, with_data
 from fmu_src.model_description import DISPLAY_UNITS, LOG_CATEGORIES, NOMINAL, UNITS
 from fmu_src.native_fmu import STANDARD_HEADERS, binary_for
 from fmu_src.objects import ARRAYS, FACES, OF_BOTH, OF_SLAVES, RUNTIME, able
+from readers.usual import LEAST_PRESSURE
 
 #: Elements of an array at most; the value reference in FMI 2.0 is array * ELEMENTS + element.
 ELEMENTS = 65536
@@ -84,6 +85,7 @@ def _about(given: ArraysInC) -> str:
         [
             *("#include <math.h>", '#include "arrays.h"', table),
             f"const unsigned ARRAYS = {len(given.arrays)}, ARRAYS_STRIDE = {given.stride};",
+            f"const double ARRAYS_LEAST_PRESSURE = {c_number(LEAST_PRESSURE)};",
             *(f"const char ARRAYS_{name}[] = {c_text(text)};" for name, text in texts.items()),
             "",
         ]

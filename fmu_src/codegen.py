@@ -21,6 +21,7 @@ from fmu_src.progress import counting
 from fmu_src.record_file import own_name, own_records, record_file_source, record_in_c
 from fmu_src.system import Model, OfRecord, SteadyStart, System, integration_variables, state_variable
 from fmu_src.table_file import table_file_source
+from readers.usual import LEAST_PRESSURE, rows_for_c, usual_range
 
 #: Each calls only those before it; faces belong to FMUs, studies to the library for kernel.py.
 KERNEL_SOURCES = (
@@ -344,6 +345,11 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
     own = [f"extern const record {name};" for name in names]
     lines[2:2] = ['#include "records.h"', "#ifndef ONE_UNIT", *own, "#endif"] if own else []
     lines += _relations(model)
+    readings = [
+        f"{{{c_text(unit)}, {c_text(other)}, {', '.join(map(c_number, numbers))}}}"
+        for unit, other, *numbers in rows_for_c()
+    ]
+    lines.append(c_array("reading_description", "READING", readings))
     if model.table_file:
         lines.append(table_file_source(model.table_file, model.index(model.table_file.variable.name)))
     if model.record_file:
@@ -375,7 +381,8 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
         f"RUNTIME_LOCAL const model_description MODEL = {{{c_text(model.name)}, {c_text('@GUID@')}, "
         f"{len(model.variables)}, {len(model.systems)}, {len(chosen_by)}, {selectors}, CHOICE, "
         f"{integrated}, {integration}, VARIABLE, SYSTEM, {table_file}, {record_file}, "
-        f"{len(model.relations)}, {'RELATION' if model.relations else '0'}}};",
+        f"{len(model.relations)}, {'RELATION' if model.relations else '0'}, {len(readings)}, READING, "
+        f"{c_number(LEAST_PRESSURE)}, {c_number(usual_range('Pa')[0])}}};",
         "",
     ]
     return "\n".join(lines)

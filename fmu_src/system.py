@@ -20,7 +20,7 @@ from fmu_src.chain import Chain
 from fmu_src.piecewise import look_up, polynomials
 from fmu_src.records import OwnRecord, RecordKind
 from readers.columns import Column
-from readers.units import likely_unit
+from readers.usual import likely_unit, widest
 
 Kind = Literal["real", "integer", "boolean", "string"]
 Causality = Literal["parameter", "input", "output", "local"]
@@ -32,6 +32,8 @@ ARGUMENTS = ("time", "states", "inputs", "input_rates", "parameters", "derived",
 @dataclass(frozen=True)
 class Variable:
     """One entry of the table of variables.
+
+    Infinite limits of a real input or parameter become the widest of its unit, WIDEST of readers/usual.py.
 
     Parameters
     ----------
@@ -74,6 +76,9 @@ class Variable:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "choices", tuple((number, text) for number, text in self.choices))
+        if self.kind == "real" and self.causality in ("input", "parameter"):
+            for name, limit in zip(("minimum", "maximum"), widest(self.unit, self.minimum, self.maximum), strict=True):
+                object.__setattr__(self, name, limit)
         if not (math.isfinite(self.start) and self.minimum <= self.start <= self.maximum):
             raise ValueError(
                 f"Variable {self.name}: start {self.start} must be finite and within {self.minimum} to {self.maximum}."
@@ -103,7 +108,7 @@ def quantity(
     unit, description : str
         SI unit, and the meaning with the symbol of the source.
     minimum, maximum : float
-        Limits [unit].
+        Limits [unit]. Infinite ones of real values are replaced by the widest of the unit, as in `Variable`.
     kind : str
         "real", "integer" or "boolean".
 
@@ -112,6 +117,8 @@ def quantity(
     Any
         A dataclass field.
     """
+    if kind == "real":
+        minimum, maximum = widest(unit, minimum, maximum)
     return field(
         metadata={"unit": unit, "description": description, "minimum": minimum, "maximum": maximum, "kind": kind}
     )
@@ -1120,6 +1127,9 @@ class System(Chain):
         return symbols[variable.name]
 
 
+#: Largest tolerance of an error, of an integration or coupling step, in nominal values: with larger ones results follow
+#: the steps, not the equations.
+LARGEST_TOLERANCE = 1e-2
 #: Integration methods by their numbers.
 METHODS = {
     1: "Rosenbrock (RODAS5P, order 5)",
@@ -1138,7 +1148,7 @@ def integration_variables(tolerance: float) -> tuple[Variable, Variable, Variabl
             "Local error allowed per integration step, in units of each state's nominal value",
             start=tolerance,
             minimum=1e-12,
-            maximum=1e-2,
+            maximum=LARGEST_TOLERANCE,
         ),
         Variable("integration_method", "parameter", start=1.0, **choosing("Integration method", METHODS)),
         Variable(

@@ -21,7 +21,8 @@ from rbd_model.vehicle.parameters import (
 from readers.command_line import number_in
 from readers.documents import is_number
 from readers.text import quoted, shown
-from readers.units import different_units, likely_unit
+from readers.units import different_units
+from readers.usual import SOFTEST, likely_unit
 
 #: Vehicles whose values are assumed where a file has none: their description, and their parameters.
 LIKE: Mapping[str, tuple[str, Callable[[], BogieParameters]]] = {
@@ -36,7 +37,7 @@ class Entry:
     """A number of a vehicle file: unit of a value without one, limits in it, meaning.
 
     parameter: that of the set which it gives alone. above_rail: it is a height above the rail; the set has that above
-    the axles. whole: it is an integer.
+    the axles. whole: it is an integer. above_0: smallest value above 0; a smaller one is in another unit.
     """
 
     unit: str
@@ -46,13 +47,14 @@ class Entry:
     parameter: str = ""
     above_rail: bool = False
     whole: bool = False
+    above_0: float = 0.0
 
 
 HEAVIEST = 1e6
 ENTRIES: Mapping[str, Entry] = {
     "axles": Entry("1", 2, 6, "number of wheelsets: 2, 4 or 6"),
     "tare": Entry("kg", LEAST_BODY, HEAVIEST, "mass of the empty vehicle on the rails"),
-    "load": Entry("kg", 0.0, HEAVIEST, "load in or on the body"),
+    "load": Entry("kg", 0.0, HEAVIEST, "load in or on the body", above_0=50.0),
     "bogie_frame_mass": Entry("kg", LEAST_FRAME, HEAVIEST, "one bogie without its wheelsets", "frame_mass"),
     "wheelset_mass": Entry("kg", LEAST_WHEELSET, HEAVIEST, "one wheelset", "wheelset_mass"),
     "rotating_mass": Entry("kg", LEAST_WHEELSET, HEAVIEST, "equivalent mass of all rotating parts at the rims"),
@@ -79,7 +81,8 @@ def parameter_entry(item: Field[Any]) -> Entry:
     """Return the entry for a parameter of a set, by its unit and limits."""
     about = item.metadata
     whole = about["kind"] == "integer"
-    return Entry(about["unit"], about["minimum"], about["maximum"], about["description"], whole=whole)
+    above_0 = SOFTEST if about["unit"] == "N/m" else 0.0
+    return Entry(about["unit"], about["minimum"], about["maximum"], about["description"], whole=whole, above_0=above_0)
 
 
 def number_of(entry: Entry, value: Any, name: str) -> float:
@@ -105,9 +108,12 @@ def number_of(entry: Entry, value: Any, name: str) -> float:
     elif is_number(value):
         found = float(value)
     inside = found is not None and math.isfinite(found) and entry.least <= found <= entry.most
+    limits = f"{name} must be {_limits(entry)}; got {shown(value)}."
+    bare = not isinstance(value, str) or not value.strip()[-1:].isalpha()
+    if found is not None and 0.0 < found < entry.above_0:
+        raise ValueError(limits + (likely_unit(found, entry.unit, entry.above_0, entry.most) if bare else ""))
     if found is not None and inside and not (entry.whole and found != int(found)):
         return found
-    limits = f"{name} must be {_limits(entry)}; got {shown(value)}."
     if inside:
         raise ValueError(limits + " Round it.")
     if found is None and isinstance(value, str) and "," in value:
@@ -115,7 +121,6 @@ def number_of(entry: Entry, value: Any, name: str) -> float:
     if found is None:
         those = different_units(entry.unit)[:5]
         raise ValueError(limits + ("" if entry.unit == "1" else f" Write a number with a unit of {', '.join(those)}."))
-    bare = not isinstance(value, str) or not value.strip()[-1:].isalpha()
     raise ValueError(limits + (likely_unit(found, entry.unit, entry.least, entry.most) if bare else ""))
 
 
@@ -123,11 +128,8 @@ def _limits(entry: Entry) -> str:
     unit = "" if entry.unit == "1" else f" {entry.unit}"
     if entry.whole:
         return f"an integer from {entry.least:g} to {entry.most:g}"
-    if math.isinf(entry.least) and math.isinf(entry.most):
-        return f"a finite number{unit and ' of'}{unit}"
-    if math.isinf(entry.most):
-        return f"at least {entry.least:g}{unit}"
-    return f"from {entry.least:g} to {entry.most:g}{unit}"
+    none = "0 or " if entry.above_0 and entry.least <= 0.0 else ""
+    return f"{none}from {max(entry.least, entry.above_0):g} to {entry.most:g}{unit}"
 
 
 def choice_of(choices: Collection[str], value: Any, name: str, remedy: str) -> str:

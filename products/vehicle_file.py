@@ -30,7 +30,7 @@ from rbd_model.vehicle.parameters import BogieParameters, VehicleParameters
 from rbd_model.vehicle.ready import four_axle_vehicle, six_axle_vehicle, two_axle_bogie
 from readers.text import FileError, shown
 from readers.toml_files import toml_of
-from readers.units import likely_unit
+from readers.usual import likely_unit
 
 #: FMUs that exist for a number of axles; six axles have none.
 FMU_OF_AXLES = {2: "bogie", 4: "vehicle"}

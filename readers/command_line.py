@@ -17,14 +17,13 @@ from typing import Any, NoReturn
 from readers.renamed import present_name
 from readers.storage import PARTIAL, writing
 from readers.text import BadInputError, shown
-from readers.units import different_units, factor, likely_unit
+from readers.units import different_units, factor
+from readers.usual import likely_unit, usual_range
 
 #: A number and its unit.
 NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 #: An argument that begins so is a negative value, not an option.
 NEGATIVE = re.compile(r"-(\d|\.\d)")
-#: Speed without a unit from which it is reported in km/h too, as trains are rarely that fast [m/s]: 144 km/h.
-REPORTED_SPEED = 40.0
 #: Share of letters in common from which an option is suggested.
 NEAR = 0.7
 #: Messages of argparse, and their replacements, functions of the groups of the pattern.
@@ -115,14 +114,14 @@ def quantity(
     -------
     Callable
         Function of a string that returns a number [unit]. It raises `argparse.ArgumentTypeError` with one message. A
-        speed above REPORTED_SPEED without a unit is reported on standard error.
+        speed above the usual ones without a unit is reported on standard error.
     """
 
     def read(text: str) -> float:
         value = number_in(text, unit)
         inside = value is not None and math.isfinite(value) and (least < value if above else least <= value)
         if value is not None and inside and value <= most:
-            if unit == "m/s" and value > REPORTED_SPEED and not text.strip()[-1:].isalpha():
+            if unit == "m/s" and value > usual_range(unit)[1] and not text.strip()[-1:].isalpha():
                 said = f"{name} {text} is read as {value:g} m/s = {3.6 * value:g} km/h. For km/h write {text}km/h."
                 print(said, file=sys.stderr)
             return value

@@ -89,6 +89,8 @@ def evaluator(chosen: argparse.Namespace) -> AbstractContextManager[Evaluator]:
 
     Entering it raises BadInputError.
     """
+    if chosen.scheduler is not None and chosen.jobs is not None:
+        raise BadInputError("--jobs has no effect with --scheduler, whose cluster has its own workers. Leave one out.")
     if chosen.scheduler is not None:
         return cluster(chosen.scheduler)
     return nullcontext(partial(in_processes, chosen.jobs or os.cpu_count() or 1))

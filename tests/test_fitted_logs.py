@@ -310,7 +310,7 @@ def test_a_row_alone_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("factor", "message"), [(1e-5, "at most 3 Pa, as if in bar"), (1e-3, "at most 300 Pa, as if in kPa")]
+    ("factor", "message"), [(1e-5, "at most 3 Pa. Did you mean 3 bar"), (1e-3, "at most 300 Pa. Did you mean 300 kPa")]
 )
 def test_a_pressure_in_another_unit_is_refused(factor: float, message: str) -> None:
     """A cylinder that fills to 3 bar, logged in bar and in kPa under Pa."""

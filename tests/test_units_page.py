@@ -11,7 +11,7 @@ import pytest
 
 import bogie_braking as bb
 from fmu_src.model_description import DISPLAY_UNITS
-from readers.units import likely_unit
+from readers.usual import likely_unit
 
 PAGE = (Path(__file__).parents[1] / "docs" / "units.md").read_text(encoding="utf-8")
 SPATIAL = {"level": 3, "initial_speed": 15.0}

@@ -440,3 +440,15 @@ def test_the_page_opens_with_a_distance_and_the_number_of_assumed_values(tmp_pat
     assert "44.0 t on 4 axles" in lead
     assert "it stops in 108 m from 120 km/h on dry rails" in lead
     assert f"{len(sheet.assumed)} values are assumed" in lead
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"load": 30.0}, r"load must be 0 or from 50 to 1e\+06 kg; got 30\.0\. Did you mean 30 t = 3e\+04 kg\?"),
+        ({"parameters": {"lateral_stiffness": 3.9}}, r"must be from 100 .*Did you mean 3\.9 kN/mm = 3\.9e\+06 N/m\?"),
+    ],
+)
+def test_a_number_in_another_unit_is_refused_with_that_unit(more: dict[str, object], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        sheet_of(SHEET | more)

@@ -71,6 +71,9 @@ def run(chosen: argparse.Namespace) -> int:
             raise BadInputError(f"NAME must be the name of a case; got {shown(name)}; {suggestion(name, files)}")
     cases = [read_case(files[name]) for name in dict.fromkeys(chosen.name or files)]
     if chosen.list:
+        idle = [name for name in ("program", "answers", "fmu", "map", "range") if getattr(chosen, name)]
+        if idle:
+            raise BadInputError(f"--{idle[0]} has no effect with --list, which runs nothing. Leave one out.")
         return _list(cases, chosen)
     check_folder(chosen.out)
     with bars(chosen):
@@ -115,6 +118,8 @@ def _run(cases: Sequence[Case], files: dict[str, Path], chosen: argparse.Namespa
     if len(chosen.fmu) != len(chosen.map):
         got = f"{len(chosen.fmu)} and {len(chosen.map)}"
         raise BadInputError(f"--fmu and --map must be given equally often; got {got}. Give a map for each FMU.")
+    if chosen.range and not any(case.unknown for case in cases):
+        raise BadInputError("--range has no effect on cases without unknown inputs. Leave it out.")
     known += [program_of_fmu(*both) for both in zip(chosen.fmu, chosen.map, strict=True)]
     repeated = {one.name for one in known if sum(one.name == other.name for other in known) > 1}
     if repeated:

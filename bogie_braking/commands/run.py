@@ -11,6 +11,7 @@ from typing import Any
 
 from bogie_braking.commands.shared import add_out, add_speech, add_track, bars, look_for_plotly
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
+from fmu_src.system import LARGEST_TOLERANCE
 from readers.command_line import check_folder, quantity
 from readers.text import BadInputError
 from scenarios.catalogue import SCENARIOS, find
@@ -41,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = "map from the names of --torque-csv to time and torque, a TOML file (default: guessed, and told)"
     parser.add_argument("--columns", type=Path, metavar="FILE", help=text)
     text = "largest error of a macro step, in nominal values; the steps are chosen by it"
-    error = quantity("--coupling-tolerance", least=SMALLEST_ERROR)
+    error = quantity("--coupling-tolerance", least=SMALLEST_ERROR, most=LARGEST_TOLERANCE)
     parser.add_argument("--coupling-tolerance", type=error, metavar="ERROR", help=text)
     parser.add_argument("--all", action="store_true", help="also print the rows that are not judged, in their order")
     parser.add_argument("--html", action="store_true", help="also write report.html, one page that needs no other file")
@@ -78,6 +79,8 @@ def run(chosen: argparse.Namespace) -> int:
     """Run a scenario, save and show its results; return the exit status. Raises BadInputError."""
     check_folder(chosen.out)
     scenario, out = find(chosen.name), chosen.out
+    if chosen.all and (chosen.json or chosen.quiet):
+        raise BadInputError(f"--all has no effect with {'--json' if chosen.json else '--quiet'}. Leave one out.")
     options = Options(**{item.name: getattr(chosen, item.name) for item in fields(Options)})
     check(scenario, options)
     further = None

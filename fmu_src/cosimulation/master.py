@@ -11,6 +11,7 @@ from typing import NamedTuple
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from fmu_src.progress import counting
+from fmu_src.system import LARGEST_TOLERANCE
 
 
 class Connection(NamedTuple):
@@ -103,8 +104,10 @@ class Master:
         if self.method not in (JACOBI, GAUSS_SEIDEL):
             raise CosimulationError(f"method must be {JACOBI} or {GAUSS_SEIDEL}; got {self.method}.")
         tolerance = self.coupling_tolerance
-        if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0.0):
-            raise CosimulationError(f"coupling_tolerance must be finite and above 0; got {tolerance:g}.")
+        if tolerance is not None and not 0.0 < tolerance <= LARGEST_TOLERANCE:
+            raise CosimulationError(
+                f"coupling_tolerance must be above 0 and at most {LARGEST_TOLERANCE:g}; got {tolerance:g}."
+            )
 
 
 @dataclass

@@ -10,6 +10,7 @@
 /* ---- what is generated from Python (arrays_fmu.py) ---- */
 
 extern const variable_description ARRAYS_ABOUT[];
+extern const double ARRAYS_LEAST_PRESSURE; /* Pa: of a parameter above 0, of readers/usual.py */
 extern const unsigned ARRAYS;
 /* The value reference of an element in FMI 2.0 is array * ARRAYS_STRIDE + element. */
 extern const unsigned ARRAYS_STRIDE;

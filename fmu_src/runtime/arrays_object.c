@@ -143,6 +143,10 @@ static kernel_status object_check(fmu_object *self, unsigned variable, size_t fi
     for (size_t k = 0; k < count; ++k) {
         const bool fits = isfinite(value[k]) ? value[k] >= about->minimum && value[k] <= about->maximum : may_be_lost;
         if (!fits) return refuse(self, variable, first + k, value[k]);
+        const bool is_pressure = about->causality == CAUSALITY_PARAMETER && strcmp(about->unit, "Pa") == 0;
+        if (is_pressure && value[k] > 0.0 && value[k] < ARRAYS_LEAST_PRESSURE)
+            return say(self, KERNEL_ERROR, "%s must be 0 or from %g to %g Pa; got %g. Give Pa: 1 bar is 100000 Pa.",
+                       about->name, ARRAYS_LEAST_PRESSURE, about->maximum, value[k]);
     }
     return KERNEL_OK;
 }

@@ -110,8 +110,9 @@ static kernel_status check_records(kernel *self, const system_description *syste
 static kernel_status warn_at_start(kernel *self) {
     kernel_status status = KERNEL_OK;
     for (int i = 0; i < MODEL.variables; ++i) {
-        if (MODEL.variable[i].causality != CAUSALITY_INPUT) continue;
-        if (kernel_warn_without_effect(self, i) != KERNEL_OK) status = KERNEL_WARNING;
+        const int causality = MODEL.variable[i].causality;
+        if (causality != CAUSALITY_INPUT && causality != CAUSALITY_PARAMETER) continue;
+        if (causality == CAUSALITY_INPUT && kernel_warn_without_effect(self, i) != KERNEL_OK) status = KERNEL_WARNING;
         if (kernel_warn_of_small_pressure(self, i) != KERNEL_OK) status = KERNEL_WARNING;
     }
     return kernel_warn_of_idle_parameters(self) != KERNEL_OK ? KERNEL_WARNING : status;

@@ -211,6 +211,12 @@ typedef struct {
     const char *sentence; /* the message if broken; its %s is the missing amount */
 } relation_description;
 
+/* A unit that people write instead of another: a value in it times `up` over `down`, plus `more`; usual sizes. */
+typedef struct {
+    const char *unit, *other;
+    double up, down, more, least, most;
+} reading_description;
+
 typedef struct {
     const char *name, *guid;
     int variables, systems;
@@ -227,6 +233,9 @@ typedef struct {
     const record_file_description *record_file; /* null: none */
     int relations;
     const relation_description *relation;
+    int readings; /* of readers/usual.py, for messages */
+    const reading_description *reading;
+    double least_pressure, usual_pressure; /* Pa: of brakes above 0 */
 } model_description;
 
 #ifndef ONE_UNIT /* there the definition comes first */

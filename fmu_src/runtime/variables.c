@@ -29,18 +29,24 @@ static bool is_allowed(const variable_description *variable, double value) {
     return isfinite(value) && value >= variable->minimum && value <= variable->maximum && whole;
 }
 
-/* Write the end of a message for a value that may be in the usual unit of its quantity, as readers/units.py does. */
-static const char *likely_unit(const variable_description *variable, double value, char text[120]) {
-    static const struct {
-        const char *unit, *usual;
-        double up, down;
-    } USUAL[] = {{"m/s", "km/h", 1.0, 3.6}, {"m", "mm", 1.0, 1e3}, {"kg", "t", 1e3, 1.0}, {"Pa", "bar", 1e5, 1.0}};
+/* Return the factor between a value and the usual sizes of its unit that lie inside limits; 1: it is usual. */
+static double distance_to_usual(const reading_description *one, double value, double least, double most) {
+    const double low = fmin(fmax(one->least, least), most), high = fmin(fmax(one->most, least), most), size = fabs(value);
+    return size > 0.0 && high > 0.0 ? fmax(fmax(low / size, size / high), 1.0) : INFINITY;
+}
+
+/* Write the end of a message for a value that may be in another unit: the most usual reading, as readers/usual.py does. */
+static const char *likely_unit(const variable_description *variable, double value, double least, char text[120]) {
+    double nearest = INFINITY;
     print_text(text, 120, ".");
-    for (size_t i = 0; i < sizeof USUAL / sizeof *USUAL; ++i) {
-        const double own = value * USUAL[i].up / USUAL[i].down;
-        if (strcmp(variable->unit, USUAL[i].unit) != 0 || value == 0.0) continue;
-        if (own < variable->minimum || own > variable->maximum) continue;
-        print_text(text, 120, ". Did you mean %.6g %s = %.4g %s?", value, USUAL[i].usual, own, USUAL[i].unit);
+    for (int i = 0; i < MODEL.readings && value != 0.0; ++i) {
+        const reading_description *one = &MODEL.reading[i];
+        const double own = value * one->up / one->down + one->more, most = variable->maximum;
+        const double apart = distance_to_usual(one, own, least, most);
+        if (strcmp(variable->unit, one->unit) != 0 || own < least || own > most) continue;
+        if (apart >= nearest || apart > distance_to_usual(one, value, least, most)) continue;
+        nearest = apart;
+        print_text(text, 120, ". Did you mean %.6g %s = %.4g %s?", value, one->other, own, one->unit);
     }
     return text;
 }
@@ -55,10 +61,12 @@ kernel_status kernel_check_value(kernel *self, const variable_description *varia
                            unit);
     if (value < variable->minimum)
         return kernel_fail(self, KERNEL_ERROR, "%s must be at least %g%s; got %g%s. %g%s stays in force%s", name,
-                           variable->minimum, unit, value, unit, kept, unit, likely_unit(variable, value, other));
+                           variable->minimum, unit, value, unit, kept, unit,
+                           likely_unit(variable, value, variable->minimum, other));
     if (value > variable->maximum)
         return kernel_fail(self, KERNEL_ERROR, "%s must be at most %g%s; got %g%s. %g%s stays in force%s", name,
-                           variable->maximum, unit, value, unit, kept, unit, likely_unit(variable, value, other));
+                           variable->maximum, unit, value, unit, kept, unit,
+                           likely_unit(variable, value, variable->minimum, other));
     return kernel_fail(self, KERNEL_ERROR, "%s must be an integer; got %g. %g stays in force.", name, value, kept);
 }
 
@@ -74,13 +82,16 @@ kernel_status kernel_warn_without_effect(kernel *self, int variable) {
 }
 
 kernel_status kernel_warn_of_small_pressure(kernel *self, int variable) {
-    static const double LEAST_PRESSURE = 1e3; /* Pa, as in readers/units.py */
     const variable_description *one = &MODEL.variable[variable];
     const double value = self->run.value[variable];
     char other[120];
-    if (strcmp(one->unit, "Pa") != 0 || !(value > 0.0 && value < LEAST_PRESSURE)) return KERNEL_OK;
+    if (strcmp(one->unit, "Pa") != 0 || !(value > 0.0 && value < MODEL.usual_pressure)) return KERNEL_OK;
+    if (value >= MODEL.least_pressure && one->causality != CAUSALITY_INPUT) return KERNEL_OK;
+    if (value >= MODEL.least_pressure)
+        return kernel_fail(self, KERNEL_WARNING, "%s is %g Pa = %.3g bar at the start; brakes usually have %g bar or more.",
+                           one->name, value, 1e-5 * value, 1e-5 * MODEL.usual_pressure);
     return kernel_fail(self, KERNEL_WARNING, "%s is %g Pa at the start, which is almost 0%s", one->name, value,
-                       likely_unit(one, value, other));
+                       likely_unit(one, value, MODEL.least_pressure, other));
 }
 
 /* Write a name after others if there is room; return whether there was. */

@@ -10,7 +10,7 @@ from products.machine import TRACTION, in_order
 from products.protection.history import History
 from products.protection.settings import FASTEST, LONGEST
 from rbd_model.track.line import Line
-from readers.units import likely_unit
+from readers.usual import likely_unit
 
 #: Failures of a sensor, with the numbers in rig.h.
 SENSOR_FAILURES = {"stuck": 1, "zero": 2, "doubled": 3}

@@ -6,7 +6,7 @@ from numbers import Real
 
 from brake_controller.sensors import TEETH
 from products.machine import APPLICATION_TIME
-from readers.units import likely_unit
+from readers.usual import likely_unit
 
 #: Start of braking [s], and time [s] after which a run that still moves is ended.
 BRAKE_START, LONGEST = 1.0, 300.0

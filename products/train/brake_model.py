@@ -13,6 +13,7 @@ from products.train.consist import Consist
 from products.train.effects import without_effect
 from products.train.numbers import Settings
 from readers.columns import number_of
+from readers.usual import likely_unit
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,8 @@ class BrakeModel:
     longest: float = 1500.0
 
 
+#: Largest error that may be allowed [1].
+LARGEST_ERROR = 0.5
 #: In the order of their costs.
 BRAKE_MODELS_BY_COST = {
     "delay": BrakeModel(Settings("delay", cells=1.0), 0.025, 0.15, False, 300.0),
@@ -57,11 +60,15 @@ def select_brake_model(
     Raises
     ------
     ValueError
-        If an error is not at least 0, or if no brake model suffices.
+        If an error is not from 0 to LARGEST_ERROR, or if no brake model suffices.
     """
     for name, value in (("distance", distance), ("force", force)):
-        if not 0.0 <= number_of(value) < math.inf or isinstance(value, str):
-            raise ValueError(f"The error of the {name} must be at least 0, a share; got {value!r}.")
+        number = math.nan if isinstance(value, str) else number_of(value)
+        if not 0.0 <= number <= LARGEST_ERROR:
+            hint = likely_unit(number, "1", 0.0, LARGEST_ERROR)
+            raise ValueError(
+                f"The error of the {name} must be a share from 0 to {LARGEST_ERROR:g}; got {value!r}.{hint}"
+            )
     for one in BRAKE_MODELS_BY_COST.values():
         if (
             one.distance <= distance

@@ -38,7 +38,7 @@ VEHICLE: dict[str, tuple[str, float, float]] = {
 }
 #: Columns that state the brake's force, one group of them in a row, and its friction.
 FORCE: dict[str, tuple[str, float, float]] = {
-    "lambda": ("%", 1.0, 250.0),
+    "lambda": ("%", 5.0, 250.0),
     "deceleration": ("m/s2", 0.01, 3.0),
     "brake_force": ("kN", 0.1, 1000.0),
     "shoe_force": ("kN", 0.1, 5000.0),
@@ -73,7 +73,7 @@ AIR: dict[str, tuple[str, float, float]] = {
 ELECTRIC: dict[str, tuple[str, float, float]] = {
     "dead_time": ("s", 0.0, 9.0),
     "dynamic_force": ("kN", 0.1, 1000.0),
-    "dynamic_power": ("kW", 1.0, 20e3),
+    "dynamic_power": ("kW", 10.0, 20e3),
     "dynamic_fade": ("km/h", 0.0, 100.0),
     "dynamic_rise": ("s", 0.0, 30.0),
     "blending_speed": ("km/h", 0.0, 300.0),
@@ -81,7 +81,7 @@ ELECTRIC: dict[str, tuple[str, float, float]] = {
 #: Columns of the motors.
 TRACTION: dict[str, tuple[str, float, float]] = {
     "traction_force": ("kN", 0.1, 2000.0),
-    "traction_power": ("kW", 1.0, 30e3),
+    "traction_power": ("kW", 10.0, 30e3),
     "traction_rise": ("s", 0.0, 60.0),
     "traction_cut_out": ("bar", 0.0, 4.8),
 }
@@ -130,6 +130,8 @@ COUPLING: dict[str, tuple[str, float, float]] = {
     "coupler_strength": ("kN", 10.0, 10e3),
 }
 NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING
+#: Smallest values above 0 [unit of the column]: a smaller one is in another unit. Pressures have theirs.
+ABOVE_0 = {"load": 0.05, "rotating": 0.3, "coupler_slack": 0.2}
 #: Columns of integers.
 WHOLE = ("count", "shoes", "cylinders", "wheels", "discs")
 #: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.

@@ -17,6 +17,7 @@ from brake_controller.distributors.aar import OF_AAR
 from brake_controller.drivers_valve import DriversValve, drivers_valve
 from fmu_src.suggestion import suggestion
 from products.train.columns import (
+    ABOVE_0,
     COUPLING,
     ELECTRIC,
     HEAT,
@@ -47,7 +48,7 @@ from readers.documents import is_number
 from readers.tables import read_table
 from readers.text import quoted, shown
 from readers.toml_files import toml_of
-from readers.units import likely_unit
+from readers.usual import almost_0, is_almost_0, likely_unit
 
 #: Columns that leave the brake of the kind as it is.
 WITHOUT_BRAKE = (
@@ -210,6 +211,11 @@ def _number(name: str, value: Any) -> float:
         said = f"{low:g} to {high:g} {unit}" if unit != "1" else f"{low:g} to {high:g}"
         likely = likely_unit(number, unit, low, high) if is_number(value) else ""
         raise ValueError(f"{name} must be {kind} from {said}; got {shown(value)}.{likely or ' Correct it.'}")
+    if 0.0 < number < (least := ABOVE_0.get(name, 0.0)):
+        likely = likely_unit(number, unit, least, high) if is_number(value) else ""
+        raise ValueError(f"{name} must be 0 or from {least:g} to {high:g} {unit}; got {shown(value)}.{likely}")
+    if is_almost_0(number, unit):
+        raise ValueError(almost_0(name, number, unit, high))
     return number
 
 

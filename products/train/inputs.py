@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fmu_src.suggestion import suggestion
 from products.train.layout import INPUTS
+from readers.usual import likely_unit
 
 #: Inputs by name, with their limits.
 BY_NAME = {one.name: one for one in INPUTS}
@@ -64,4 +65,6 @@ def wrong_input(name: str, place: int, value: float) -> str:
     """Return the message for a value of an input outside its limits."""
     one = BY_NAME[name]
     kind = "an integer from" if one.whole else "a number from"
-    return f"inputs['{name}'][{place}] must be {kind} {one.least:g} to {one.most:g}; got {value:g}."
+    return f"inputs['{name}'][{place}] must be {kind} {one.least:g} to {one.most:g}; got {value:g}." + likely_unit(
+        value, one.unit, one.least, one.most
+    )

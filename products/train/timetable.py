@@ -18,6 +18,7 @@ from products.train.driver import LEAST, direct_release, hold, rolls_back
 from products.train.train import LONGEST, Train, within
 from rbd_model.track.adhesion_laws import at_speed
 from rbd_model.train.vehicle import GRAVITY
+from readers.usual import note
 
 #: Time between two actions [s]; times of the correction of a speed, and of the estimate of a gradient [s]. Assumed.
 PERIOD, CORRECTS, FEELS = 0.5, 5.0, 4.0
@@ -35,7 +36,7 @@ LIMITS = {
     "within": (0.1, 100.0, "m"),
     "adhesion": (0.01, 1.0, ""),
     "place": (-1e7, 1e7, "m"),
-    "speed": (0.5, 150.0, "m/s"),
+    "speed": (0.5, 112.0, "m/s"),  # 400 km/h
 }
 
 
@@ -355,7 +356,8 @@ class TimetableDriver:
             self.act(train)
             train.advance(PERIOD)
             rows.append(self._row(train, sums))
-        return Recording(units, np.array(rows))
+        notes = [note(f"The limit at {place:g} m", speed, "m/s") for place, speed in self.limits]
+        return Recording(units, np.array(rows), [said for said in notes if said])
 
     def _row(self, train: Train, sums: Sequence[str]) -> list[float]:
         own = [train.time, self.front(train), float(train.speed[0]), float(train.wheel_speed.max())]

@@ -22,7 +22,7 @@ from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.pipe import Air
 from rbd_model.track.line import Line
 from readers.formats import Imported
-from readers.units import likely_unit
+from readers.usual import almost_0, is_almost_0, likely_unit, note
 
 #: Longest time of `advance` or `record` [s], and largest number of values [1].
 LONGEST, MOST = 86400.0, 1e8
@@ -47,6 +47,8 @@ def within(name: str, value: float, least: float, most: float, unit: str) -> Non
         said = f"{name} must be a number from {least:g} to {most:g} {unit}".rstrip() + f"; got {value}."
         remedy = likely_unit(value, unit, least, most) if number else ""
         raise ValueError(said + (remedy or " Correct it."))
+    if is_almost_0(value, unit):
+        raise ValueError(almost_0(name, value, unit, most))
 
 
 def _place(name: str, value: int, count: int) -> None:
@@ -65,6 +67,21 @@ def _recorded_of(consist: Consist) -> list[Array]:
     kept = {OF_HEAT: heats, OF_TRACTION: pulls, OF_DRIVES: drives, OF_TRACK: tracks}
     left_out = {name for names, is_kept in kept.items() if not is_kept for name in names}
     return [one for one in RECORDED if one.name not in left_out]
+
+
+def idle_inputs(consist: Consist) -> dict[str, str]:
+    """Return the inputs that no vehicle of a consist uses, and what it lacks."""
+    vehicles = consist.vehicles
+    uses = {
+        "traction": ("motors", any(one.traction.traction_force > 0.0 for one in vehicles)),
+        "dynamic_brake": ("an electric brake", any(one.electric.dynamic_force > 0.0 for one in vehicles)),
+        "track_brake": (
+            "track brakes",
+            any(one.track.magnetic_attraction + one.track.eddy_force > 0.0 for one in vehicles),
+        ),
+        "parking_brake": ("a parking brake", any(one.parking.parking_force > 0.0 for one in vehicles)),
+    }
+    return {name: lacks for name, (lacks, is_used) in uses.items() if not is_used}
 
 
 class Train:
@@ -118,6 +135,7 @@ class Train:
             raise TypeError(f"settings must be a Settings of products.train.numbers, or None; got {settings!r}.")
         self.consist, self.settings = consist, settings or Settings()
         self.imported: Imported | None = None
+        self._notes = [said for said in [note("speed", speed, "m/s")] if said]
         numbers = numbers_of(consist, self.settings, line)
         self._call = functions()
         wrong = self._call.train_wrong(numbers.ctypes.data, numbers.size)
@@ -134,6 +152,7 @@ class Train:
         self._outputs = {name: self._view(self._call.train_output, row) for name, row in OUTPUT.items()}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
         self._recorded = _recorded_of(consist)
+        self._idle = idle_inputs(consist)
 
     def _view(self, call: Any, row: int) -> NDArray[np.float64]:
         count = ctypes.c_longlong()
@@ -156,6 +175,9 @@ class Train:
         Raises ValueError if an input or the state is not finite; the train keeps its last state then.
         """
         within("The time", time, 0.0, LONGEST, "s")
+        for name, lacks in self._idle.items():
+            if self.inputs[name].any():
+                raise ValueError(f"inputs[{name!r}] must be 0: no vehicle has {lacks}, and it has no effect. Reset it.")
         status = self._call.train_go(self._own, time)
         if status == -2:
             raise ValueError(self._wrong_input())
@@ -209,7 +231,7 @@ class Train:
             rows.append(self._row())
             if moving and not self.speed.any():
                 break
-        return Recording(units, np.array(rows))
+        return Recording(units, np.array(rows), self._notes)
 
     def _names(self, output: str) -> list[str]:
         return [f"{output}[{n + 1}]" for n in range(len(self._outputs[output]))]

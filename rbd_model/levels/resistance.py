@@ -26,8 +26,8 @@ class RunningResistance(ParameterSet):
     Its constant part is dry friction, which holds the vehicle at rest up to its size.
     """
 
-    davis_constant: float = quantity("N", "Running resistance that does not change with speed (a of Davis)", 0.0)
-    davis_linear: float = quantity("N.s/m", "Running resistance for each m/s (b of Davis)", 0.0)
+    davis_constant: float = quantity("N", "Running resistance that does not change with speed (a of Davis)", 0.0, 1e6)
+    davis_linear: float = quantity("N.s/m", "Running resistance for each m/s (b of Davis)", 0.0, 1e6)
     davis_quadratic: float = quantity("N.s2/m2", "Running resistance for each m2/s2 (c of Davis)", 0.0)
     curve_resistance: float = quantity(
         "1", "1: in curves von Roeckl's resistance holds the vehicle back; 0: nothing does", 0.0, 1.0, "integer"

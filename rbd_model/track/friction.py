@@ -23,9 +23,9 @@ class FrictionAlongTrack(ParameterSet):
     """
 
     cleaned_friction: float = quantity(
-        "1", "Factor on the friction under each wheelset, whose rail the one before it has cleaned", 0.0
+        "1", "Factor on the friction under each wheelset, whose rail the one before it has cleaned", 0.0, 1e3
     )
-    patch_friction: float = quantity("1", "Factor on friction within the patch; 1: there is none", 0.0)
+    patch_friction: float = quantity("1", "Factor on friction within the patch; 1: there is none", 0.0, 1e3)
     patch_start: float = quantity("m", "Distance at which the patch begins")
     patch_length: float = quantity("m", "Length of the patch", 1e-3)
     patch_blend: float = quantity("m", "Length over which friction changes at each end of the patch, within it", 1e-3)

@@ -34,11 +34,11 @@ class TrackParameters(ParameterSet):
     far enough from the start for the plateau, which has no ends; and half of the cross level on each rail.
     """
 
-    lateral_irregularity: float = quantity("m", "Lateral wave of the track, amplitude (Delta_ir)")
+    lateral_irregularity: float = quantity("m", "Lateral wave of the track, amplitude (Delta_ir)", -1.0, 1.0)
     lateral_wave_number: float = quantity("1/m", "Lateral wave, k_ir: the wave is 2 / k_ir long", 1e-6)
-    vertical_irregularity: float = quantity("m", "Vertical wave of both rails, amplitude (Delta_ir)")
+    vertical_irregularity: float = quantity("m", "Vertical wave of both rails, amplitude (Delta_ir)", -1.0, 1.0)
     vertical_wave_number: float = quantity("1/m", "Vertical wave, k_ir", 1e-6)
-    cross_level: float = quantity("m", "Plateau of the left rail's height above the right one's (Delta_ir)")
+    cross_level: float = quantity("m", "Plateau of the left rail's height above the right one's (Delta_ir)", -1.0, 1.0)
     cross_level_wave_number: float = quantity("1/m", "Plateau of cross level, k_ir: it is 2 / k_ir long", 1e-6)
     cross_level_centre: float = quantity("m", "Distance of the middle of the plateau from the start")
     cross_level_left_share: float = quantity("1", "Share of the cross level that raises the left rail", 0.0, 1.0)

@@ -29,12 +29,12 @@ SCATTER = 10.0
 class RecoveryParameters(ParameterSet):
     """Parameters of the recovery; all are assumed, because published values scatter by an order of magnitude."""
 
-    degraded_friction: float = quantity("1", "Friction coefficient of the contaminated rail", 0.0)
-    recovered_friction: float = quantity("1", "Friction coefficient of the cleaned rail", 0.0)
+    degraded_friction: float = quantity("1", "Friction coefficient of the contaminated rail", 0.0, 2.0)
+    recovered_friction: float = quantity("1", "Friction coefficient of the cleaned rail", 0.0, 2.0)
     recovery_energy: float = quantity("J/m", "Sliding energy per distance that cleans to 63 %", 1.0)
     recovery_length: float = quantity("m", "Distance over which a wheel's surface follows", 1e-2)
     left_behind: float = quantity("1", "Share of the leading wheelset's cleaning that the trailing one finds", 0.0, 1.0)
-    wheel_base: float = quantity("m", "Distance between the two axles, over which it finds it later", 1e-2)
+    wheel_base: float = quantity("m", "Distance between the two axles, over which it finds it later", 1e-2, 40.0)
 
 
 def assumed_recovery() -> RecoveryParameters:

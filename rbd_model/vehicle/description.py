@@ -20,7 +20,7 @@ from rbd_model.contact.geometry import Pair, Sides, thesis_pair
 from rbd_model.contact.hertz import POISSON_RATIO
 from rbd_model.vehicle.force_table import both_sides, damper_fault, spring_fault
 from readers.text import shown
-from readers.units import likely_unit
+from readers.usual import likely_unit
 
 #: Limits of a wheel's radius [m]: scale models on roller rigs; 0.3 m above the wheels of steam locomotives, 1.2 m.
 SMALLEST_RADIUS, LARGEST_RADIUS = 0.01, 1.5

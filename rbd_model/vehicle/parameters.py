@@ -14,8 +14,12 @@ POSITIVE = 1e-6
 #: Smallest masses [kg]: below those of models at a scale of 1:5, which have 1/125 of the mass, and above the numbers of
 #: masses in t. A sprung mass is that of one body on two axles.
 LEAST_BODY, LEAST_SPRUNG, LEAST_FRAME, LEAST_WHEELSET = 100.0, 100.0, 10.0, 5.0
+#: Mass and inertia of a sprung mass that stands for the ground in checks of theory [kg, kg.m2].
+ANCHORED = 1e11
 #: Largest half lateral distance [m]: half of a vehicle's width on the widest gauges, rounded up.
 WIDEST = 3.0
+#: Largest height over or below the axles [m], and largest factor on friction.
+HIGHEST, MOST_FRICTION = 10.0, 10.0
 #: The thesis's reading of the points of action: its torques act on the wheelsets alone (3.36), its flange's force at
 #: the wheelset's centre (3.106). Scenarios that compare with it use these values instead of the physical ones.
 AS_PRINTED = {"torque_reaction": 0.0, "flange_at_rail": 0.0}
@@ -25,11 +29,11 @@ AS_PRINTED = {"torque_reaction": 0.0, "flange_at_rail": 0.0}
 class BogieParameters(ParameterSet):
     """A two-axle bogie with one sprung mass; stiffness and damping of one of its four suspension elements."""
 
-    frame_mass: float = quantity("kg", "Sprung mass carried by the two wheelsets", LEAST_SPRUNG)
-    frame_roll_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about x (I_xx)", POSITIVE)
-    frame_pitch_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about y (I_yy)", POSITIVE)
-    frame_yaw_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about z (I_zz)", POSITIVE)
-    frame_height: float = quantity("m", "Height of the sprung mass's centre above the wheelset axes")
+    frame_mass: float = quantity("kg", "Sprung mass carried by the two wheelsets", LEAST_SPRUNG, ANCHORED)
+    frame_roll_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about x (I_xx)", POSITIVE, ANCHORED)
+    frame_pitch_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about y (I_yy)", POSITIVE, ANCHORED)
+    frame_yaw_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about z (I_zz)", POSITIVE, ANCHORED)
+    frame_height: float = quantity("m", "Height of the sprung mass's centre above the wheelset axes", -HIGHEST, HIGHEST)
     wheelset_mass: float = quantity("kg", "Mass of one wheelset", LEAST_WHEELSET)
     wheelset_roll_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about x (I_xx)", POSITIVE)
     wheelset_pitch_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about its axle (I_yy, J)", POSITIVE)
@@ -55,7 +59,7 @@ class BogieParameters(ParameterSet):
         0.0,
         1.0,
     )
-    flange_clearance: float = quantity("m", "Lateral displacement at which a flange touches (y_f)", POSITIVE)
+    flange_clearance: float = quantity("m", "Lateral displacement at which a flange touches (y_f)", POSITIVE, 0.1)
     flange_stiffness: float = quantity("N/m", "Lateral stiffness of the rail against a flange (k_y_rail)", 0.0)
     flange_at_rail: float = quantity(
         "1", "A flange is pushed where it touches the rail (1), or at the wheelset's centre (0)", 0.0, 1.0, "integer"
@@ -79,12 +83,15 @@ class BogieParameters(ParameterSet):
         "1", "Warn where limits of EN 14363 on Y/Q and guiding forces are passed (1), or not (0)", 0.0, 1.0, "integer"
     )
     wheel_profile_curvature: float = quantity("1/m", "Curvature of the wheel tread across the track (1/rho_y^w)")
-    rail_head_radius: float = quantity("m", "Radius of the rail head across the track (rho_y^r)", POSITIVE)
-    shear_modulus: float = quantity("Pa", "Shear modulus of wheel and rail (G)", POSITIVE)
-    left_rail_friction: float = quantity("1", "Factor on the friction of the left rail, in space", 0.0)
-    right_rail_friction: float = quantity("1", "Factor on the friction of the right rail, in space", 0.0)
+    rail_head_radius: float = quantity("m", "Radius of the rail head across the track (rho_y^r)", POSITIVE, 1e3)
+    shear_modulus: float = quantity("Pa", "Shear modulus of wheel and rail (G)", 1e9, 1e12)
+    left_rail_friction: float = quantity("1", "Factor on the friction of the left rail, in space", 0.0, MOST_FRICTION)
+    right_rail_friction: float = quantity("1", "Factor on the friction of the right rail, in space", 0.0, MOST_FRICTION)
     gauge_face_friction: float = quantity(
-        "1", "Factor on the friction of the rails' gauge faces (contact model 1: in Nadal's limit alone), in space", 0.0
+        "1",
+        "Factor on the friction of the rails' gauge faces (contact model 1: in Nadal's limit alone), in space",
+        0.0,
+        MOST_FRICTION,
     )
     contact_damping: float = quantity(
         "s/m", "Damping of an elastic contact, share of its force by the speed at which it is pressed", 0.0
@@ -106,12 +113,14 @@ class VehicleParameters(BogieParameters):
     body_roll_inertia: float = quantity("kg.m2", "Car body, moment of inertia about x (I_xx)", POSITIVE)
     body_pitch_inertia: float = quantity("kg.m2", "Car body, moment of inertia about y (I_yy)", POSITIVE)
     body_yaw_inertia: float = quantity("kg.m2", "Car body, moment of inertia about z (I_zz)", POSITIVE)
-    body_height: float = quantity("m", "Height of the car body's centre above the wheelset axes")
+    body_height: float = quantity("m", "Height of the car body's centre above the wheelset axes", -HIGHEST, HIGHEST)
     pivot_distance: float = quantity("m", "Distance between the two bogies' centres", POSITIVE, LONGEST_VEHICLE)
     secondary_half_spacing: float = quantity(
         "m", "Half of the lateral distance of the secondary springs", POSITIVE, WIDEST
     )
-    secondary_height: float = quantity("m", "Height of the secondary springs above the wheelset axes")
+    secondary_height: float = quantity(
+        "m", "Height of the secondary springs above the wheelset axes", -HIGHEST, HIGHEST
+    )
     secondary_longitudinal_stiffness: float = quantity("N/m", "Secondary suspension, longitudinal stiffness", POSITIVE)
     secondary_lateral_stiffness: float = quantity("N/m", "Secondary suspension, lateral stiffness", POSITIVE)
     secondary_vertical_stiffness: float = quantity("N/m", "Secondary suspension, vertical stiffness", POSITIVE)
@@ -123,7 +132,7 @@ class VehicleParameters(BogieParameters):
     )
     anti_roll_stiffness: float = quantity("N.m/rad", "Anti-roll bar of one bogie", 0.0)
     coupler_distance: float = quantity("m", "Distance between the couplers of both ends", POSITIVE, LONGEST_VEHICLE)
-    coupler_height: float = quantity("m", "Height of the couplers above the wheelset axes")
+    coupler_height: float = quantity("m", "Height of the couplers above the wheelset axes", -HIGHEST, HIGHEST)
     traction_rod_stiffness: float = quantity("N/m", "Traction rod of one bogie, stiffness along the track", 0.0)
     traction_rod_damping: float = quantity("N.s/m", "Traction rod of one bogie, damping along the track", 0.0)
 

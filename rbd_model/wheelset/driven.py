@@ -35,7 +35,7 @@ class DrivenParameters(ParameterSet):
     """Masses, inertias and shafts of a driven wheelset; those of the drive are referred to the axle."""
 
     carried_mass: float = quantity("kg", "Mass that this wheelset carries, its own included", 1.0)
-    trailing_mass: float = quantity("kg", "Mass that this wheelset pulls and does not carry", 0.0)
+    trailing_mass: float = quantity("kg", "Mass that this wheelset pulls and does not carry", 0.0, 1e8)
     wheel_radius: float = quantity("m", "Radius of both wheels (r)", 0.05, 2.0)
     wheel_inertia_1: float = quantity("kg.m2", "Inertia of wheel 1 and all that turns with it, its gear (J_1)", 1e-2)
     wheel_inertia_2: float = quantity("kg.m2", "Inertia of wheel 2 and all that turns with it (J_2)", 1e-2)

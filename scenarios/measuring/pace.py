@@ -55,7 +55,10 @@ SHARES = {"median": 50.0, "99 %": 99.0, "99.9 %": 99.9, "longest": 100.0}
 
 @dataclass(frozen=True)
 class Pace:
-    """A run: an FMU by its name or file, communication and integration step, duration [s], values, input histories."""
+    """A run: an FMU by its name or file, communication and integration step, duration [s], values, input histories.
+
+    states_step: the integration step is stated, and must have an effect.
+    """
 
     name: str
     path: Path
@@ -64,6 +67,7 @@ class Pace:
     seconds: float
     values: dict[str, float] = field(default_factory=dict)
     inputs: dict[str, Sequence[tuple[float, float]]] = field(default_factory=dict)
+    states_step: bool = False
 
     @property
     def steps(self) -> int:
@@ -128,11 +132,15 @@ def pace_of(chosen: argparse.Namespace) -> Pace:
     if chosen.level and (chosen.name in LEVELS or name not in VEHICLES):
         raise BadInputError(f"--level has no effect on {chosen.name}; it belongs to {', '.join(VEHICLES)}.")
     values, inputs = values_of(chosen.set), {}
+    stated = chosen.integration_step is not None
+    if stated and "integration_step" in values:
+        raise BadInputError("--integration-step and --set integration_step state the same. Leave one out.")
+    within = values.get("integration_step", within)
     if name in VEHICLES:
         stop = stop_of(VEHICLES[name], level=float(LEVELS[level]))
         values = {**stop.values, **values}
         inputs = {one: history for one, history in stop.inputs.items() if one not in values}
-    return Pace(name, path_of(name), step, within, chosen.seconds, values, dict(inputs))
+    return Pace(name, path_of(name), step, within, chosen.seconds, values, dict(inputs), stated)
 
 
 def path_of(name: str) -> Path:
@@ -202,7 +210,9 @@ def paced(pace: Pace, drawn: Callable[[int], object]) -> Paced:
             if name not in slave.units:
                 raise BadInputError(f"{slave.name} has no variable {name}; {suggestion(name, slave.units)}")
         if "integration_step" in slave.units:
-            values["integration_step"] = pace.integration_step
+            values.setdefault("integration_step", pace.integration_step)
+        elif pace.states_step:
+            raise BadInputError(f"--integration-step has no effect on {slave.name}, which has no such parameter.")
         times = np.arange(pace.steps) * pace.step
         rows = [{one: value_at(history, at, after=True) for one, history in pace.inputs.items()} for at in times]
         slave.start(**values)

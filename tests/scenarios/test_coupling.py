@@ -111,8 +111,9 @@ def test_no_step_crosses_a_given_instant(fmus: dict) -> None:
     assert times[-1] == SECONDS
 
 
-def test_line_that_leads_below_zero_shortens_the_step(fmus: dict) -> None:
+def test_line_that_leads_below_zero_shortens_the_step(fmus: dict, monkeypatch: pytest.MonkeyPatch) -> None:
     """The brake is released. Its torque falls and would be negative at the end of a long extrapolation."""
+    monkeypatch.setattr("fmu_src.cosimulation.master.LARGEST_TOLERANCE", 10.0)  # the error alone shortens no step
     with train(fmus) as (brake, bogie, connections):
         coupling = Coupling([bogie, brake], connections, Master(JACOBI, True, 10.0))
 
@@ -177,9 +178,7 @@ def test_connection_multiplies_with_its_factor(fmus: dict) -> None:
 
 @pytest.mark.parametrize(("method", "tolerance"), [("leapfrog", None), (JACOBI, -1.0), (JACOBI, float("nan"))])
 def test_bad_master_gets_a_sentence(method: str, tolerance: float | None) -> None:
-    with pytest.raises(
-        CosimulationError, match=r"method must be jacobi or|coupling_tolerance must be finite and above 0"
-    ):
+    with pytest.raises(CosimulationError, match=r"method must be jacobi or|coupling_tolerance must be above 0"):
         Master(method, coupling_tolerance=tolerance)
 
 
@@ -188,4 +187,4 @@ def test_scenario_chooses_its_macro_steps_by_tolerance(tmp_path, capsys: pytest.
     coupling = json.loads((tmp_path / "qr30-180kpa" / "summary.json").read_text())["coupling"]
     assert coupling["macro_steps"] < 1000
     assert main(["run", "qr30-180kpa", "--coupling-tolerance", "0", "--out", str(tmp_path)]) == 2
-    assert "--coupling-tolerance must be at least 1e-09" in capsys.readouterr().err
+    assert "--coupling-tolerance must be from 1e-09 to 0.01" in capsys.readouterr().err

@@ -149,7 +149,7 @@ BAD: dict[str, tuple[str, str | bytes, str]] = {
     "no brake weight": (
         "a.csv",
         "kind,lambda\nlocomotive,0\n",
-        "row 2, column lambda: the value must be from 1 to 250 %;",
+        "row 2, column lambda: the value must be from 5 to 250 %;",
     ),
     "a delay of the head": (
         "a.csv",
@@ -269,8 +269,8 @@ def test_what_is_no_line_is_told_in_one_sentence(tmp_path: Path, capsys: pytest.
         (["wagon"], {}, r"the consist, row 1: a vehicle must be names with values; got wagon\."),
         ([wagon()], {}, "A consist must have a vehicle with a driver's valve; got 1 vehicles without one"),
         (b"train.toml", {}, r"A consist must be .*; got b'train.toml'\."),
-        (1, {"force_error": "5 %"}, r"The error of the force must be at least 0, a share; got '5 %'\."),
-        (1, {"distance_error": None}, r"The error of the distance must be at least 0, a share; got None\."),
+        (1, {"force_error": "5 %"}, r"The error of the force must be a share from 0 to 0.5; got '5 %'\."),
+        (1, {"distance_error": None}, r"The error of the distance must be a share from 0 to 0.5; got None\."),
         (1, {"releases": "no"}, r"releases must be True or False; got 'no'\."),
         (
             1,

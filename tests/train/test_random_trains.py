@@ -11,7 +11,7 @@ from brake_controller.distributors.aar import RETAINERS
 from brake_controller.drivers_valve import POSITIONS
 from products.train.consist_file import consist_of
 from products.train.numbers import Settings
-from products.train.train import Train
+from products.train.train import Train, idle_inputs
 from rbd_model.track.line import Line
 
 #: Highest gauge pressures [Pa]: supply of the driver's valves, with which a pipe may be filled.
@@ -90,7 +90,8 @@ def disturb(train: Train, draw: np.random.Generator) -> None:
     train.inputs["friction"] = draw.uniform(0.02, 0.6, vehicles)
     train.inputs["pull"] = draw.choice([0.0, 0.0, 1.0], vehicles) * draw.uniform(-2e5, 3e5, vehicles)
     for name in ("dynamic_brake", "traction", "track_brake", "parking_brake"):
-        train.inputs[name] = draw.choice([0.0, 0.0, 1.0], vehicles) * draw.random(vehicles)
+        shares = draw.choice([0.0, 0.0, 1.0], vehicles) * draw.random(vehicles)
+        train.inputs[name] = 0.0 if name in idle_inputs(train.consist) else shares
     if vehicles > 1 and train.settings.cells >= 1.0 and draw.random() < 0.5:
         train.inputs["hose_state"] = draw.choice([0.0, 0.0, 0.0, 1.0, 2.0], vehicles - 1)
 

@@ -89,7 +89,7 @@ def test_parameters_that_a_fit_of_trains_cannot_have_are_refused() -> None:
     for parameters, message in (
         ({"lambda": 60.0, "brake_factor": 1.0}, "must have lambda or brake_factor, not both"),
         ({"brake_facter": 1.0}, "no parameter brake_facter to be fitted; did you mean brake_factor"),
-        ({"lambda": 0.5}, "initial value of lambda must be between 1 and 250 %"),
+        ({"lambda": 0.5}, "initial value of lambda must be between 5 and 250 %"),
         ({}, "must have start values by name"),
         (
             dict.fromkeys(("lambda", "fill_time", "resistance_a", "resistance_b", "resistance_c"), 9.0),
