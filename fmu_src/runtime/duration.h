@@ -39,8 +39,9 @@ static inline bool plan_is_wrong(double start, const double *stop, char problem[
         return true;
     }
     if (!stop || *stop >= start) return false;
-    print_text(problem, DURATION_PROBLEM, "The stop time must be at least the start time of %s s; got %s s. Nothing was changed.",
-             time_text(start, 9, begin), time_text(*stop, 9, end));
+    print_text(problem, DURATION_PROBLEM,
+               "The stop time must be at least the start time of %s s; got %s s. Nothing was changed.",
+               time_text(start, 9, begin), time_text(*stop, 9, end));
     return true;
 }
 
@@ -49,7 +50,7 @@ static inline bool size_is_wrong(double size, char problem[DURATION_PROBLEM]) {
     if (size > 0.0 && size <= LONGEST_STEP) return false;
     if (size > 0.0 && isfinite(size))
         print_text(problem, DURATION_PROBLEM, "The step must be at most %g s, a day; got %g s. Nothing was advanced.",
-                 LONGEST_STEP, size);
+                   LONGEST_STEP, size);
     else print_text(problem, DURATION_PROBLEM, "The step must be above 0 s; got %g s. Nothing was advanced.", size);
     return true;
 }
@@ -61,18 +62,19 @@ static inline bool time_is_wrong(double time, double size, double now, double st
     char here[TIME_TEXT], there[TIME_TEXT];
     const double slack = time_slack(now, size, DBL_EPSILON), of_clock = time_slack(now, size, FLT_EPSILON);
     if (!(fabs(time - now) <= of_clock)) /* game engines have clocks in single precision */
-        print_text(problem, DURATION_PROBLEM,
-                 "The step must begin at t = %s s, where the last step ended; got %s s. Nothing was advanced. After a pause, pass "
-                 "the time that the FMU has reached, not that of a clock which runs on.",
-                 time_text(now, 9, here), time_text(time, 9, there));
+        print_text(
+            problem, DURATION_PROBLEM,
+            "The step must begin at t = %s s, where the last step ended; got %s s. Nothing was advanced. After a pause, pass "
+            "the time that the FMU has reached, not that of a clock which runs on.",
+            time_text(now, 9, here), time_text(time, 9, there));
     else if (!(end > time))
         print_text(problem, DURATION_PROBLEM,
-                 "The step must be above the round-off of the time t = %s s; got %g s. Nothing was advanced.",
-                 time_text(time, 9, here), size);
+                   "The step must be above the round-off of the time t = %s s; got %g s. Nothing was advanced.",
+                   time_text(time, 9, here), size);
     else if (end > stop + slack)
         print_text(problem, DURATION_PROBLEM,
-                 "The step must end at most at the stop time of %s s; got an end at %s s. Nothing was advanced.",
-                 time_text(stop, 9, here), time_text(end, 9, there));
+                   "The step must end at most at the stop time of %s s; got an end at %s s. Nothing was advanced.",
+                   time_text(stop, 9, here), time_text(end, 9, there));
     else return false;
     return true;
 }

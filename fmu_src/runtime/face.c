@@ -117,8 +117,9 @@ static char *folder_of(const component *self, const char *resources, char proble
 static bool token_fits(const char *token, const char *folder, char problem[MESSAGE_SIZE]) {
     if (strcmp(token, OBJECT.token()) == 0) return true;
     if (folder) return identity_is(folder, token, OBJECT.token(), problem);
-    strcpy(problem, "The identifier of modelDescription.xml is not that of the binary alone. If the FMU has data of its own, give "
-                    "the location of its resources; got none. Otherwise build both together.");
+    strcpy(problem,
+           "The identifier of modelDescription.xml is not that of the binary alone. If the FMU has data of its own, give "
+           "the location of its resources; got none. Otherwise build both together.");
     return false;
 }
 
@@ -342,7 +343,8 @@ kernel_status face_set(component *self, int kind, const unsigned *reference, siz
     if (self->now == INITIALISING && count) OBJECT.reopen(self->object);
     for (size_t i = 0, behind = 0; i < count; ++i, behind += at.count) {
         (void)find_place(self, reference[i], kind, false, &at);
-        if (!keeps_value(self, &at, values, behind, take)) worst = larger(worst, at_each(self, OBJECT.set, &at, values, behind, take));
+        if (!keeps_value(self, &at, values, behind, take))
+            worst = larger(worst, at_each(self, OBJECT.set, &at, values, behind, take));
     }
     return face_report(self, worst);
 }

@@ -88,8 +88,7 @@ static inline bool identity_is(const char *folder, const char *token, const char
         good = identity_agrees(row, folder, token, binary, problem);
     }
     fclose(file);
-    if (good && tokens != 2)
-        snprintf(problem, RESOURCES_PROBLEM, "resources/identity.csv is damaged. Unpack the FMU again.");
+    if (good && tokens != 2) snprintf(problem, RESOURCES_PROBLEM, "resources/identity.csv is damaged. Unpack the FMU again.");
     return good && tokens == 2;
 }
 

@@ -37,7 +37,7 @@ static bool refuse_record(record_reader *self, const char *format, ...) {
     const int length = (int)strlen(self->path), room = PROBLEM_SIZE - 2;
     const char *path = self->path + (length > END_OF_PATH ? length - END_OF_PATH : 0);
     int used = print_text(self->problem, (size_t)room, "%c%s %s%s", toupper(*about->noun), about->noun + 1,
-                        length > END_OF_PATH ? "..." : "", path);
+                          length > END_OF_PATH ? "..." : "", path);
     if (self->rows.number) used += print_text(self->problem + used, (size_t)(room - used), ", row %d", self->rows.number);
     used += print_text(self->problem + used, (size_t)(room - used), ": ");
     va_list arguments;
@@ -236,8 +236,9 @@ static bool read_all(record_reader *self) {
 static bool refuse_path(record_reader *self, const char *why) {
     const int length = (int)strlen(self->path);
     const char *noun = MODEL.record_file->noun;
-    print_text(self->problem, PROBLEM_SIZE, "%c%s %s%s: %s. Give the path of a file that can be read.", toupper(*noun), noun + 1,
-             length > END_OF_PATH ? "..." : "", self->path + (length > END_OF_PATH ? length - END_OF_PATH : 0), why);
+    print_text(self->problem, PROBLEM_SIZE, "%c%s %s%s: %s. Give the path of a file that can be read.", toupper(*noun),
+               noun + 1, length > END_OF_PATH ? "..." : "", self->path + (length > END_OF_PATH ? length - END_OF_PATH : 0),
+               why);
     return false;
 }
 
@@ -257,7 +258,7 @@ static bool check_roots(const record_reader *self) {
     const int roots = self->made->roots;
     if (roots == 1 || roots == about->roots || about->roots == 0) return true;
     print_text(self->problem, PROBLEM_SIZE, "%s must name one %s for all %ss or one for each, %d; got %d. Correct it.",
-             MODEL.variable[about->variable].name, about->noun, about->owner, about->roots, roots);
+               MODEL.variable[about->variable].name, about->noun, about->owner, about->roots, roots);
     return false;
 }
 

@@ -81,8 +81,8 @@ static bool ask(arrays_object *self, double time, char problem[MESSAGE_SIZE]) {
     for (int i = 0; i < OUTPUTS; ++i)
         if (answer[i] < LEAST || answer[i] > MOST) {
             print_text(problem, MESSAGE_SIZE,
-                     "The controller gave %d for output %d at %g s where %d to %d was due; its outputs are %d from now on.",
-                     answer[i], i + 1, time, LEAST, MOST, SAFE);
+                       "The controller gave %d for output %d at %g s where %d to %d was due; its outputs are %d from now on.",
+                       answer[i], i + 1, time, LEAST, MOST, SAFE);
             return false;
         }
     for (int i = 0; i < OUTPUTS; ++i) output[i] = answer[i];
@@ -97,7 +97,7 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
         if (!isfinite(now->value[i])) {
             make_safe(self);
             print_text(problem, MESSAGE_SIZE, "Input %d must be a finite number; got %g at %g s. The outputs are %d.", i + 1,
-                     now->value[i], time, SAFE);
+                       now->value[i], time, SAFE);
             return KERNEL_WARNING;
         }
     if (ask(self, time, problem)) return KERNEL_OK;

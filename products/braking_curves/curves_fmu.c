@@ -85,8 +85,8 @@ arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE]) {
     const char *wrong = gradients_wrong(numbers, count);
     arrays_object *self = wrong ? NULL : (arrays_object *)calloc(1, sizeof *self);
     if (wrong)
-        print_text(problem, MESSAGE_SIZE, "The gradients in %.200s/gradients.bin are damaged, %s cannot be; build the FMU again.",
-                 folder, wrong);
+        print_text(problem, MESSAGE_SIZE,
+                   "The gradients in %.200s/gradients.bin are damaged, %s cannot be; build the FMU again.", folder, wrong);
     else if (!self || !make_line(self, numbers)) {
         strcpy(problem, "There is no memory for the gradients of the line.");
         arrays_free(self);
@@ -316,11 +316,11 @@ static bool is_of_other_unit(const arrays_object *self, char problem[MESSAGE_SIZ
     const char *name = "";
     const double fast = too_fast(self, &name), rotating = given(self, M_ROTATING_NOM);
     if (fast > 0.0)
-        print_text(problem, MESSAGE_SIZE, "%s must be at most %g m/s, or %g if it is not used; got %g. Give m/s, not km/h.", name,
-                 FASTEST_BOUNDARY, UNUSED_BOUNDARY, fast);
+        print_text(problem, MESSAGE_SIZE, "%s must be at most %g m/s, or %g if it is not used; got %g. Give m/s, not km/h.",
+                   name, FASTEST_BOUNDARY, UNUSED_BOUNDARY, fast);
     else if (rotating > 0.0 && rotating < SMALLEST_ROTATING)
         print_text(problem, MESSAGE_SIZE, "M_rotating_nom must be at most 0, or at least %g %%; got %g. Give 10 for 10 %%.",
-                 SMALLEST_ROTATING, rotating);
+                   SMALLEST_ROTATING, rotating);
     else return false;
     return true;
 }
@@ -333,15 +333,15 @@ static bool is_wrong(const arrays_object *self, char problem[MESSAGE_SIZE]) {
         print_text(problem, MESSAGE_SIZE, "%s must ascend; got a lower boundary after a higher one. Sort the steps.", steps);
     else if (eoa && given(self, V_TARGET) > 0.0)
         print_text(problem, MESSAGE_SIZE,
-                 "V_target must be 0 m/s at an end of authority (EOA); got %g m/s. Set target_kind to 2 or 3.",
-                 given(self, V_TARGET));
+                   "V_target must be 0 m/s at an end of authority (EOA); got %g m/s. Set target_kind to 2 or 3.",
+                   given(self, V_TARGET));
     else if (!eoa && (given(self, BEYOND) != 0.0 || given(self, V_RELEASE) != 0.0))
         print_text(problem, MESSAGE_SIZE, "%s must be 0 unless target_kind is 1, an end of authority (EOA); got %g.",
-                 given(self, BEYOND) != 0.0 ? "beyond" : "V_release",
-                 given(self, BEYOND) != 0.0 ? given(self, BEYOND) : given(self, V_RELEASE));
+                   given(self, BEYOND) != 0.0 ? "beyond" : "V_release",
+                   given(self, BEYOND) != 0.0 ? given(self, BEYOND) : given(self, V_RELEASE));
     else if (self->starts && given(self, GRADIENT) != 0.0)
         print_text(problem, MESSAGE_SIZE, "gradient must be 0 in an FMU with a line, which has the gradients; got %g.",
-                 given(self, GRADIENT));
+                   given(self, GRADIENT));
     else return is_of_other_unit(self, problem);
     return true;
 }

@@ -14,8 +14,8 @@ static int parts_before(const table_file *self, int row, char *problem, size_t s
     const double turn = (one + other) / 2.0 * way;
     if (turn <= WHOLE_TURN) return (int)fmax(ceil(fmax(one, other) * way / LARGEST_TURN), 1.0);
     print_text(problem, size,
-             "the line turns by %.3g rad over the %.6g m from the row before; give rows between, for %g rad at most", turn, way,
-             WHOLE_TURN);
+               "the line turns by %.3g rad over the %.6g m from the row before; give rows between, for %g rad at most", turn,
+               way, WHOLE_TURN);
     return 0;
 }
 

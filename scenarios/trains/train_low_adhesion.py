@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -47,7 +48,7 @@ WAYS = {
 def train_of(rail: RailCondition) -> Train:
     """Return a locomotive and coaches; friction falls with sliding as that of the rail does (Polach 2005)."""
     law = rail.law.values()
-    falls = {name: law[name] for name in ("friction_ratio", "friction_decay")}
+    falls: dict[str, Any] = {name: law[name] for name in ("friction_ratio", "friction_decay")}
     vehicles = (locomotive(), *[coach()] * COACHES)
     train = Train(Consist(tuple(replace(one, **falls) for one in vehicles)), speed=SPEED)
     train.inputs["friction"][:] = rail.friction

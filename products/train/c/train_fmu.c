@@ -47,7 +47,7 @@ arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE]) {
     arrays_object *self = wrong ? NULL : create(numbers, (long long int)count);
     if (wrong)
         print_text(problem, MESSAGE_SIZE, "The consist %.200s/train.bin is damaged, %s cannot be; build the FMU again.", folder,
-                 wrong);
+                   wrong);
     else if (!self) print_text(problem, MESSAGE_SIZE, "There is no memory for the train.");
     free(numbers);
     return self;
@@ -139,9 +139,9 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
     }
     if (train_go(self->own, step)) {
         print_text(problem, MESSAGE_SIZE,
-                 "The step of %g s at %g s has no finite solution. The train stays at its start. Check the inputs, or take "
-                 "a shorter step.",
-                 time, step);
+                   "The step of %g s at %g s has no finite solution. The train stays at its start. Check the inputs, or take "
+                   "a shorter step.",
+                   time, step);
         return KERNEL_DISCARD;
     }
     memcpy(self->locked, values_of(self, LOCKED), length_of(self->own, LOCKED) * sizeof(double));
