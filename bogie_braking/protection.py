@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Literal
 
 from bogie_braking.checks import known, line_or_none
 from brake_controller.wheel_slide import WheelSlideController
 from fmu_src.cosimulation.recording import Recording
-from products.machine import MACHINES
+from products.machine import DISCS, MACHINES, Machine
 from products.protection.rails import RAILS, RailCase
 from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
 from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
+from products.protection.vehicle_of_file import machine_of_sheet
+from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
 
 #: A class, or another function that returns a new controller.
@@ -36,7 +38,7 @@ COLUMNS = {
 
 def protected_stops(
     controller: Controller,
-    vehicle: str = "bogie",
+    vehicle: str | DataSheet = "bogie",
     rails: Iterable[str] = NAMES,
     **settings: float,
 ) -> Recording:
@@ -49,8 +51,8 @@ def protected_stops(
     controller : class, "protection" or None
         A class whose objects have `step(time, wheel_speeds)` [s], [m/s]. It returns for each wheelset 0 to apply its
         brake, 1 to hold it, or 2 to vent it. "protection": the built-in controller. None: no controller.
-    vehicle : str
-        "bogie" or "coach" (also "vehicle").
+    vehicle : str or DataSheet
+        "bogie" or "coach" (also "vehicle"), or a vehicle from a file with a brake (`read_vehicle`).
     rails : iterable of str
         Names of rails; by default all.
     **settings : float
@@ -89,7 +91,7 @@ def protected_stops(
 
 
 def protected_stop(
-    controller: Controller, rail: str, vehicle: str = "bogie", line: Line | None = None, **settings: float
+    controller: Controller, rail: str, vehicle: str | DataSheet = "bogie", line: Line | None = None, **settings: float
 ) -> Recording:
     """Run one stop of `protected_stops` on one rail, recorded every period of the controller.
 
@@ -99,8 +101,8 @@ def protected_stop(
         As in `protected_stops`.
     rail : str
         Name of the rail.
-    vehicle : str
-        "bogie" or "coach" (also "vehicle").
+    vehicle : str or DataSheet
+        "bogie" or "coach" (also "vehicle"), or a vehicle from a file with a brake (`read_vehicle`).
     line : Line, optional
         Line of the stop; its map of friction multiplies the friction of the rail.
     **settings : float
@@ -123,13 +125,13 @@ def protected_stop(
         If a setting is out of its limits.
     """
     [(case, stop)] = _stops_of(controller, vehicle, [rail], settings, line_or_none(line), recorded=True)
-    radius = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]().parameters.wheel_radius
+    radius = _machine(vehicle).parameters.wheel_radius
     return stop.course.recording(radius, _sentence(case, stop), stop.commands)
 
 
 def _stops_of(
     controller: Controller,
-    vehicle: str,
+    vehicle: str | DataSheet,
     rails: Iterable[str],
     settings: Mapping[str, float],
     line: Line | None = None,
@@ -140,10 +142,18 @@ def _stops_of(
         raise TypeError(f'rails must be a list of names, such as ["{rails}"]; got the text {rails!r}.')
     make, cases, chosen = maker_of(controller), {rail.name: rail for rail in RAILS}, settings_from(settings)
     on = [cases[known(name, cases, "rail")] for name in rails]
-    machine = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]()
+    machine = _machine(vehicle)
     runs = [Run(case.values(len(machine.numbers)), line=line) for case in on]
     rig = Rig(machine, make, chosen, by_flow=True)
     return list(zip(on, rig.runs(runs, every=chosen.period if recorded else 0.0), strict=True))
+
+
+def _machine(vehicle: str | DataSheet) -> Machine:
+    """Return the braked vehicle of a name or of a file. Raises KeyError, ValueError."""
+    if isinstance(vehicle, DataSheet):
+        machine, brake = machine_of_sheet(vehicle)
+        return replace(machine, by_flow=True, equipment=(DISCS,)) if brake.acts_on == "discs" else machine
+    return MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]()
 
 
 def settings_from(given: Mapping[str, float]) -> Settings:

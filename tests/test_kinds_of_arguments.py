@@ -81,6 +81,16 @@ def test_a_creep_law_applies_to_a_vehicle_from_a_file(kinds: dict[str, Any]) -> 
     assert rolled["distance"][-1] == pytest.approx(10.0, abs=1e-6)
 
 
+def test_the_test_rig_takes_a_vehicle_from_a_file(kinds: dict[str, Any], tmp_path: Path) -> None:
+    """On a dry rail: v^2 / 2 a, a second before the command, and T / ln 20 of cylinders that fill in T = 2 s."""
+    (tmp_path / "own.toml").write_text('like = "coach"\ntare = 64000\n[brake]\ndeceleration = 1.2\n')
+    stop = bb.protected_stop("protection", "dry", bb.read_vehicle(tmp_path / "own.toml"), speed=100 / 3.6)
+    due = (100 / 3.6) ** 2 / 2.4 + 100 / 3.6 * (1.0 + 2.0 / np.log(20.0))
+    assert stop["distance"][-1] == pytest.approx(due, rel=0.03)
+    with pytest.raises(ValueError, match="must have a \\[brake\\]"):
+        bb.protected_stop("protection", "dry", kinds["file"])
+
+
 def test_runs_kept_for_another_table_are_not_resumed(tmp_path: Path) -> None:
     """The file of a line has another content under the same name."""
 

@@ -10,7 +10,7 @@ from products.machine import DISCS, MACHINES, RESERVOIR_PRESSURE, TRACTION, Mach
 from products.protection.programme import Case
 from products.protection.settings import SLOWEST_BRAKE
 from products.vehicle_brakes import SheetBrake
-from products.vehicle_file import FMU_OF_AXLES, read_vehicle
+from products.vehicle_file import FMU_OF_AXLES, DataSheet, read_vehicle
 from readers.text import FileError
 
 #: End of the name of a vehicle file.
@@ -20,15 +20,32 @@ ENDING = ".toml"
 def vehicle_of_file(path: Path) -> tuple[Machine, SheetBrake]:
     """Return the braked vehicle of a file (docs/vehicle_files.md), and its brake.
 
-    The rig takes from the brake its torque at the full pressure, this pressure and the application time.
-
     Raises
     ------
     FileError
         If the file is invalid, or describes what the rig does not model.
     """
-    sheet = read_vehicle(path)
-    brake = sheet.brake
+    return machine_of_sheet(read_vehicle(path), str(path))
+
+
+def machine_of_sheet(sheet: DataSheet, path: str = "") -> tuple[Machine, SheetBrake]:
+    """Return the braked vehicle of a data sheet, and its brake.
+
+    The rig takes from the brake its torque at the full pressure, this pressure and the application time.
+
+    Parameters
+    ----------
+    sheet : DataSheet
+        The vehicle.
+    path : str
+        Its file for messages; empty: its name.
+
+    Raises
+    ------
+    FileError
+        If it describes what the rig does not model.
+    """
+    path, brake = path or sheet.name, sheet.brake
     if sheet.axles not in FMU_OF_AXLES:
         raise FileError(f"{path}: axles must be 2 or 4 on the test rig; got {sheet.axles}.")
     if brake is None:
