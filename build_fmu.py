@@ -36,7 +36,6 @@ from fmu_src.model_description import variable_table
 from products.braking_curves.fmu import build_curves
 from products.building import KINDS, NATIVE, build_all, build_controller
 from products.parameter_sets import write_sets
-from products.promised_variables import build_note
 from products.protection.sensor_fmu import build_sensor
 from products.registry import ALIASES, FMUS, fmu_named, model_of
 from products.systems import build_systems
@@ -192,8 +191,6 @@ def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:
     write_sets(names, chosen.out)
     if "native" in kinds:
         build_systems(names, chosen.out, every)
-    for note in filter(None, map(build_note, names)):
-        print(note)
     return bool(problems)
 
 

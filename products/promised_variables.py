@@ -4,7 +4,6 @@
 """
 
 import csv
-import re
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
@@ -59,16 +58,6 @@ def changes(name: str, variables: Iterable[Variable] | None = None) -> list[str]
             if old != new
         ]
     return [f"{name}: {one}, since version {version}." for one in said]
-
-
-def build_note(name: str, variables: Iterable[Variable] | None = None) -> str:
-    """Return what a build prints of `changes`, in one line; empty if there are none."""
-    found = changes(name, variables)
-    new = [one for one in found if " is new, " in one]
-    others = (re.search(r": (?:the .*? of )?(\w+) is (?:called (\w+) now)?", one) for one in found if one not in new)
-    named = ", ".join(dict.fromkeys(f"{one[1]} -> {one[2]}" if one[2] else one[1] for one in others if one))
-    said = [f"{len(new)} variables are new"] * bool(new) + [f"{named} changed or are gone"] * bool(named)
-    return f"{name}: since version {last_version()[0]} {'; '.join(said)} (see the changelog)." if said else ""
 
 
 def write_table() -> None:
