@@ -84,7 +84,7 @@ WIDEST: dict[str, float] = {
     "N.s2/m2": 1e6,
     "N.m/rad": 1e12,
     "N.m.s/rad": 1e9,
-    "N/Pa": 1e2,
+    "N/Pa": 1e4,
     "Pa": 1e7,
     "W": 1e9,
     "J": 1e12,

@@ -240,7 +240,7 @@ def test_what_parameters_must_keep_together_follows_from_the_description() -> No
         (["run", "qr30-180kpa", "--step", "nan"], "--step must be from 1e-05 to 0.1 s; got nan."),
         (
             ["run", "qr30-180kpa", "--coupling-tolerance", "1e-300"],
-            "--coupling-tolerance must be at least 1e-09; got 1e-300.",
+            "--coupling-tolerance must be from 1e-09 to 0.01; got 1e-300.",
         ),
         (["pace", "point", "--step", "1e-12"], "--step must be from 2e-05 to 1 s; got 1e-12."),
         (["pace", "point", "--seconds", "1e300"], "--seconds must be from 0 to 86400 s; got 1e300."),

@@ -79,7 +79,9 @@ static inline bool identity_is(const char *folder, const char *token, const char
     FILE *file = identity_open(folder, "identity.csv", &why);
     if (!file) {
         snprintf(problem, RESOURCES_PROBLEM,
-                 "This FMU has data of its own, but identity.csv %s in %.120s. Give the folder resources of the unpacked FMU.",
+                 "The identifier of modelDescription.xml is not that of the binary alone, and identity.csv of data %s in "
+                 "%.90s. Give "
+                 "the folder resources of the unpacked FMU, or build both together.",
                  why ? why : "is missing", folder);
         return false;
     }

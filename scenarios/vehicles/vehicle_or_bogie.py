@@ -40,7 +40,7 @@ VALUES: dict[str, dict[str, float]] = {
 }
 OWN = {WHOLE: NUMBERS, ONE: NUMBERS[:2]}
 #: Stiffness of a rigid traction rod [N/m].
-FAST = 1e15
+FAST = 1e13
 #: Wheelsets of the vehicle that the leading one of the bogie represents.
 LEADERS = (1, 3)
 

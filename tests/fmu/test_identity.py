@@ -110,7 +110,7 @@ def test_an_fmu_without_its_data_is_refused(make: Callable[[Path, str], Path], k
     assert "got none" in refused(path, folder, None)
     assert "got none" in refused(path, folder, "")
     for other in (tmp_path / "no", folder / "documentation"):
-        assert "Give the folder resources" in refused(path, folder, named(kind, other))
+        assert "the folder resources" in refused(path, folder, named(kind, other))
     assert Opened(path, folder, named(kind, folder / "resources")).component
     [data] = {*(folder / "resources").glob("*.bin"), *(folder / "resources").glob("start_values.csv")}
     data.unlink()
