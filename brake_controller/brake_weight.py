@@ -302,7 +302,7 @@ def braking_way(force: NDArray[np.float64], turning_mass: float, resistance: Seq
 
 
 def check_percentage(percentage: float, turning_mass: float, resistance: Sequence[float]) -> None:
-    """Check that a brake is needed for a percentage [%], UIC 544-1: 1e-3 of the mean force at least. Raises ValueError."""
+    """Check that a percentage [%] needs a brake (UIC 544-1), 1e-3 of the mean force at least. Raises ValueError."""
     mean = force_of_percentage(percentage, turning_mass, FROM_100)
     way = turning_mass * FROM_100.speed**2 / (2 * mean)
     if braking_way(np.full(SPEEDS.size, 1e-3 * mean), turning_mass, resistance) <= way:

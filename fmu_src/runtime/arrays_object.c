@@ -141,7 +141,8 @@ static kernel_status object_check(fmu_object *self, unsigned variable, size_t fi
     const variable_description *about = &ARRAYS_ABOUT[variable];
     const bool may_be_lost = !isnan(about->when_lost);
     for (size_t k = 0; k < count; ++k) {
-        const bool fits = isfinite(value[k]) ? value[k] >= about->minimum && value[k] <= about->maximum : may_be_lost;
+        const bool within = isfinite(value[k]) && value[k] >= about->minimum && value[k] <= about->maximum;
+        const bool fits = isnan(value[k]) ? may_be_lost : within;
         if (!fits) return refuse(self, variable, first + k, value[k]);
         const bool is_pressure = about->causality == CAUSALITY_PARAMETER && strcmp(about->unit, "Pa") == 0;
         if (is_pressure && value[k] > 0.0 && value[k] < ARRAYS_LEAST_PRESSURE)

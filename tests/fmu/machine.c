@@ -1225,7 +1225,7 @@ static int free_state(host *h) {
  * 4.2.4 and 3.2.3, and allowed calls of the states of FMI 3.0.2, sections 2.3, 3.2 and 4.2. Reasons for an o:
  * - FMI 2.0 has no values before initialization. Within it, parameters and inputs are not listed. FMI 3.0 has both.
  * - Inputs have no `initial` in FMI 2.0. The table forbids to set them before initialization, but most hosts do.
- * - A fixed parameter may be set again to its value, in any state.
+ * - A fixed parameter, number or text, may be set again to its value.
  * - Time in event mode belongs to discrete FMUs (FMI 2.0.4, footnote 8).
  * - After a request to terminate, the standards describe only the call that terminates. */
 static const call CALLS[] = {
@@ -1242,7 +1242,7 @@ static const call CALLS[] = {
     {"get time", get_time, {NULL, NULL, "+++.+.++", "++++..++"}, NOTHING},
     {"get string", get_string, {"oo..++.+", "oo++..++", "+++.+.++", "++++..++"}, NOTHING},
     {"set parameters", set_parameter, {"++..oo.o", "++oo..oo", "++o.o.oo", "++oo..oo"}, NOTHING},
-    {"set string", set_string, {"++..--.-", "++--..--", "++-.-.--", "++--..--"}, NOTHING},
+    {"set string", set_string, {"++..oo.o", "++oo..oo", "++o.o.oo", "++oo..oo"}, NOTHING},
     {"set inputs", set_input, {"o+..+-.-", "o+++..o-", "+++.+.o-", "++++..o-"}, NOTHING},
     {"set discrete inputs", set_discrete_input, {"o+..+-.-", "o++-..o-", "+++.+.o-", "+++-..o-"}, NOTHING},
     {"set outputs", set_output, {"--..--.-", "----..--", "---.-.--", "----..--"}, NOTHING},

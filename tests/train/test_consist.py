@@ -75,7 +75,7 @@ def test_the_smallest_depth_follows_what_is_asked() -> None:
     assert select_brake_model(long).cells == 1.0
     assert select_brake_model(long, distance=0.003, force=0.06).cells == 2.0
     assert select_brake_model(long, force=0.01).cells == 8.0
-    with pytest.raises(ValueError, match="The error of the force must be a share from 0 to 0.5; got nan"):
+    with pytest.raises(ValueError, match=r"The error of the force must be a share from 0 to 0\.5; got nan"):
         select_brake_model(short, force=float("nan"))
 
 
