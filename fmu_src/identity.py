@@ -43,7 +43,7 @@ def with_data(contents: Mapping[str, bytes], data: Mapping[str, bytes], title: s
     contents : mapping of str to bytes
         Files of the FMU by their places.
     data : mapping of str to bytes
-        Files that the binary reads, by their names in resources/; they replace those of the same names.
+        Files that the binary reads, by their names in resources/. They replace those of the same names.
     title : str
         Name of the model for people; empty: as it is.
     """

@@ -35,18 +35,7 @@ STOCK = {
     "rolling_resistance": {"type": "davis", "A": 5400.0, "B": 200.0, "C": 12.0},
 }
 PER_MASS = STOCK | {"rolling_resistance": {"type": "davis", "A": 5400 / 9e5, "B": 200 / 9e5, "C": 12 / 9e5}}
-CAR = """car_type: car
-length_meters: 18.0
-axle_count: 4
-mass_static_base_kilograms: 28500.0
-mass_freight_kilograms: 101500.0
-braking_ratio: 0.11
-mass_rot_per_axle_kilograms: 750.0
-bearing_res_per_axle_newtons: 40.26
-rolling_ratio: 0.001546
-davis_b_seconds_per_meter: 1.0e-5
-cd_area_square_meters: 4.087
-"""
+CAR = (DOCS.parent / "tests" / "data" / "altrios_car.yaml").read_text(encoding="utf-8")
 BVE = """OPENBVE
 #PERFORMANCE\n3.6\n0.35\n0\n0.0025\n1.2
 #BRAKE\n2\n0\n0

@@ -270,6 +270,8 @@ def _bare(values: Mapping[str, Any]) -> TrainVehicle:
     load = values.get("load", 60.0 if kind == "wagon" else 0.0)
     if "mass" in values:
         load = values["mass"] - 1e-3 * EMPTY[kind]
+    if ("friction_ratio" in values) != ("friction_decay" in values):
+        raise ValueError("friction_ratio and friction_decay must come together: one alone has no effect. Give both.")
     if "weighing" in values and kind != "wagon":
         raise ValueError(f"weighing must be of a wagon; the vehicle is a {kind}. Leave it out.")
     more = {"weighing": values["weighing"]} if "weighing" in values else {}

@@ -42,8 +42,8 @@ def _american(name: str, constant: float, axle: float, linear: float, air: float
 
 #: G. Strahl (1913), Glasers Annalen 73: w = 2.5 + V^2 / k permille, k = 1000 of empty and 4000 of loaded wagons. With
 #: 20 t and 80 t these are one air part: 0.02 kg V^2.
-#: F. Sauthoff (1932), Die Bewegungswiderstaende der Eisenbahnwagen: of n coaches on four axles, V [km/h], G [t],
-#: w = 1.9 + 0.0025 V + 0.0048 (n + 2.7) 1.45 (V + 15)^2 / G permille, with a headwind of 15 km/h.
+#: F. Sauthoff (1932), Die Bewegungswiderstaende der Eisenbahnwagen. It is for n coaches on four axles, V [km/h], G [t]:
+#: w = 1.9 + 0.0025 V + 0.0048 (n + 2.7) 1.45 (V + 15)^2 / G permille. The headwind is 15 km/h.
 #: AREMA, Manual for Railway Engineering, chapter 16: 0.6 + 20 / w + 0.01 V + 0.07 V^2 / (w n) lb/ton (modified Davis).
 #: W. J. Davis (1926), The tractive resistance of electric locomotives and cars: front A [ft2],
 #: 1.3 + 29 / w + 0.03 V + 0.0024 A V^2 / (w n) lb/ton.

@@ -26,7 +26,7 @@ class Fields:
     blocks : sequence of Block
         Blocks of the vehicle; of equal names the last one is valid.
     notes : Notes
-        Receives sentences about units behind a blank and misspelt names.
+        Receives messages about units behind a blank and misspelt names.
     """
 
     def __init__(self, blocks: Sequence[Block], notes: Notes) -> None:

@@ -260,18 +260,8 @@ def test_an_altrios_train_has_its_cars_and_locomotives(tmp_path: Path) -> None:
 
 
 #: Cars of ALTRIOS 1.1.0 (rolling_stock/Manifest_Loaded.yaml, Intermodal_Empty.yaml) and its default locomotive.
-MANIFEST = """car_type: Manifest_Loaded
-length_meters: 18.0
-axle_count: 4
-mass_static_base_kilograms: 28500.0
-mass_freight_kilograms: 101500.0
-braking_ratio: 0.11
-mass_rot_per_axle_kilograms: 750.0
-bearing_res_per_axle_newtons: 40.26
-rolling_ratio: 0.001546
-davis_b_seconds_per_meter: 1.0e-5
-cd_area_square_meters: 4.087
-"""
+MANIFEST = (Path(__file__).parents[1] / "data" / "altrios_car.yaml").read_text(encoding="utf-8")
+MANIFEST = MANIFEST.replace("car_type: car", "car_type: Manifest_Loaded")
 EMPTY = {
     "Manifest_Loaded": "Empty",
     "101500.0": "0.0",

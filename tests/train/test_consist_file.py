@@ -110,6 +110,11 @@ BAD: dict[str, tuple[str, str | bytes, str]] = {
         "kind\nlocomotive\ntram\n",
         "row 3, column kind: the value must be one of wagon, locomotive, coach; got 'tram'. Choose one.",
     ),
+    "a fall without its decay": (
+        "a.csv",
+        "kind,friction_ratio\nlocomotive,0.4\n",
+        "friction_ratio and friction_decay must come together: one alone has no effect. Give both.",
+    ),
     "no kind": (
         "a.csv",
         "kind,load\nlocomotive,\n,60\n",

@@ -113,7 +113,7 @@ void arrays_start(arrays_object *self, double time) {
     find_outputs(self);
 }
 
-/* Write the vehicles whose wheels have locked in a step; nothing if there are none. `before`: whether they were. */
+/* Write the vehicles whose wheels have locked in a step, if any. `before`: whether they were locked. */
 static void say_locked(const arrays_object *self, const double *before, double time, char problem[MESSAGE_SIZE]) {
     char when[TIME_TEXT], others[32] = "";
     long long int count, first = 0, more = -1;
