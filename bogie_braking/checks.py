@@ -32,15 +32,7 @@ MOST_INSTANCES, MOST_THREADS = 1_000_000, 1024
 
 
 def known(name: str, those: Iterable[str], what: str) -> str:
-    """Return the name, or the name that it is an alias of, if it is one of `those`; `what` is their kind.
-
-    Raises
-    ------
-    KeyError
-        If the name is unknown.
-    TypeError
-        If it is not a string.
-    """
+    """Return the name, or the name that it is an alias of, if it is one of `those`; `what` is their kind."""
     if not isinstance(name, str):
         raise TypeError(f"The name of the {what} must be a text; got {shown(name)}.")
     those = list(those)
@@ -73,13 +65,7 @@ def seconds(what: str, value: Any, most: float = LONGEST_TIME) -> float:
 
 
 def durations(times: np.ndarray | np.timedelta64) -> np.ndarray:
-    """Return NumPy's durations in seconds; NaT is NaN.
-
-    Raises
-    ------
-    ValueError
-        If they have no unit.
-    """
+    """Return NumPy's durations in seconds; NaT is NaN."""
     times = np.asarray(times)
     if np.datetime_data(times.dtype)[0] == "generic":
         raise ValueError("durations without a unit")

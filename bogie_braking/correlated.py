@@ -54,13 +54,7 @@ class Errors:
 def errors_of(moments: np.ndarray, residuals: np.ndarray, slopes: np.ndarray) -> Errors:
     """Return the errors of an output by the residuals of its fit.
 
-    Parameters
-    ----------
-    moments : array, shape (rows,)
-        Times [s], increasing.
-    residuals : array, shape (rows,)
-    slopes : array, shape (rows, parameters)
-        Derivatives of the output by the parameters.
+    Takes moments [s] (rows,), residuals (rows,), slopes (rows, parameters).
     """
     basis = _basis(slopes)
     free = moments.size - basis.shape[1]

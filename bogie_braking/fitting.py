@@ -264,17 +264,7 @@ def _fit_of(runs: _Runs, table: Recording, share: np.ndarray, slopes: np.ndarray
 
 
 def lacking(driven: Sequence[str], given: Collection[str], machine: Machine) -> list[str]:
-    """Return a warning for inputs that a log lacks of those of which it has one: the others stay at their start values.
-
-    Parameters
-    ----------
-    driven : sequence of str
-        Measured inputs. `pressure_demand_1` also stands for those of the other wheelsets.
-    given : collection of str
-        Names of values and of fitted parameters.
-    machine : Machine
-        What runs.
-    """
+    """Return a warning for inputs that a log has for some wheelsets only: the others stay at their start values."""
     found = []
     for stem in dict.fromkeys(name.rstrip("0123456789") for name in driven if name[-1].isdigit()):
         inputs = [one for one in machine.variables.values() if one.causality == "input"]
@@ -293,12 +283,7 @@ def lacking(driven: Sequence[str], given: Collection[str], machine: Machine) -> 
 def at_limits(names: Iterable[str], values: np.ndarray, limits: np.ndarray, first: np.ndarray) -> list[str]:
     """Return a warning for each fitted value at one of its limits.
 
-    Parameters
-    ----------
-    names : iterable of str
-        Names of the parameters.
-    values, limits, first : ndarray
-        Fitted values, shape (parameters,), their limits, shape (parameters, 2), and the values at the start.
+    Takes values, limits, first (parameters,).
     """
     return [
         f"{name} ended at its limit of {limit:g}; check the units of the data and the inputs that the log lacks."
@@ -388,13 +373,7 @@ def identifiability(
     section 5.5. The covariance of least squares is that of errors with any covariance: Davidson and MacKinnon (2004),
     eq. (5.31).
 
-    Parameters
-    ----------
-    slopes : array, shape (values, parameters)
-    covariance : callable
-        Multiplies columns, shape (values, n), by the covariance of the errors.
-    names : sequence of str
-        Of the parameters.
+    Takes slopes (values, parameters), covariance (values, n).
     """
     lengths = np.linalg.norm(slopes, axis=0)
     silent = lengths <= SEPARABLE * np.max(lengths)

@@ -76,13 +76,7 @@ class FrictionField:
         return " ".join(self.messages)
 
     def plot(self) -> Figure:
-        """Plot the field with its intervals, and lower limits where it is not determined.
-
-        Returns
-        -------
-        Figure
-            A Matplotlib figure.
-        """
+        """Plot the field with its intervals, and lower limits where it is not determined."""
         import matplotlib.pyplot as plt
 
         figure, chart = plt.subplots(figsize=(8, 4), layout="constrained")

@@ -54,23 +54,7 @@ def friction_logs(
 ) -> list[FrictionLog]:
     """Return logs as arrays.
 
-    Parameters
-    ----------
-    measured : Recording, str, Path, or a sequence of these
-        One log or several, as recordings or paths of files.
-    radii : sequence of float
-        Wheel radius of each wheelset [m].
-    torque_per_pressure : float or None
-        Brake torque of a wheelset per pressure [N.m/Pa]; None: unknown, so that pressures are not used.
-    columns : mapping, str or Path, optional
-        As in `fit`.
-
-    Raises
-    ------
-    ValueError
-        If a column is missing, has another unit or is not usable.
-    TypeError
-        If something is not a log.
+    Takes radii [m], torque_per_pressure [N.m/Pa].
     """
     given = list(measured) if isinstance(measured, Sequence) and not isinstance(measured, str) else [measured]
     if not given:

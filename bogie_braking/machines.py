@@ -102,11 +102,6 @@ def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Run
     A vehicle from a file becomes its FMU or its description, with its values, which those of the caller replace. An
     empty path does not replace its contact tables. A vehicle with another creep law or ratio than its own becomes its
     description with this law or ratio.
-
-    Raises
-    ------
-    ValueError
-        If the creep law is unknown, or the ratio is not from 0 to 0.5.
     """
     if not isinstance(what, DataSheet):
         return _with_contact(what, dict(values))
@@ -150,17 +145,6 @@ def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Mach
     """Return compiled equations; for a vehicle only the level and the contact model that `values` select.
 
     A vehicle by its name has the variables of all levels; other values may select another system of that FMU.
-
-    Raises
-    ------
-    KeyError
-        If the name is unknown.
-    TypeError
-        If `what` cannot be run.
-    ValueError
-        If the level or the contact model does not exist.
-    CompilerError
-        If no C compiler works.
     """
     if isinstance(what, str):
         what = known(what, FMUS, "FMU")
@@ -176,15 +160,7 @@ def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Mach
 
 
 def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> BatchLibrary:
-    """Return the one system that `values` select, compiled in vector lanes.
-
-    Raises
-    ------
-    ValueError
-        If the system does not exist.
-    KeyError, TypeError, CompilerError
-        As in `machine_of`.
-    """
+    """Return the one system that `values` select, compiled in vector lanes."""
     with ONE_WRITES:
         if isinstance(what, str):
             what = known(what, FMUS, "FMU")
@@ -241,15 +217,7 @@ def _level_and_depth(values: Mapping[str, Any]) -> tuple[int, int]:
 
 
 def model_from(what: Model | System | Vehicle, places: Sequence[int] = EVERY) -> Model:
-    """Return the model of a system, or of a vehicle with the systems of `places`.
-
-    Raises
-    ------
-    TypeError
-        If `what` has no model.
-    ValueError
-        If a system has no output.
-    """
+    """Return the model of a system, or of a vehicle with the systems of `places`."""
     if isinstance(what, Vehicle):
         text = f"Railway vehicle of {len(what.wheelsets)} wheelsets under brake and traction torque"
         return model_of_levels(what.name, text, what, places)

@@ -66,13 +66,7 @@ class Data:
 
 
 def data_of(table: Recording, names: Sequence[str], driven: Sequence[str], options: Options) -> Data:
-    """Return measured data; names, driven: of outputs and inputs.
-
-    Raises
-    ------
-    ValueError
-        If an output has no value, an input has a gap, a pressure is in another unit, or too few rows are left.
-    """
+    """Return measured data; names, driven: of outputs and inputs."""
     clock, begin, interval, longest_gap = table["time"], options.begin, options.interval, options.longest_gap
     for name in (*names, *driven):
         if table.units[name] == "Pa":
@@ -126,17 +120,7 @@ def rows_until(until: float | None, times: np.ndarray) -> int:
 def check_pressure(name: str, values: np.ndarray) -> None:
     """Check that a column of pressures in Pa is not in bar or kPa.
 
-    Parameters
-    ----------
-    name : str
-        The column.
-    values : array, shape (rows,)
-        Pressures [Pa].
-
-    Raises
-    ------
-    ValueError
-        If its greatest pressure is above 0, and below LEAST_PRESSURE.
+    Takes values [Pa] (rows,).
     """
     most = float(np.nanmax(np.abs(values), initial=0.0))
     if is_almost_0(most, "Pa"):
@@ -147,13 +131,7 @@ def check_pressure(name: str, values: np.ndarray) -> None:
 
 
 def check_units(names: Sequence[str], simulated: np.ndarray, data: Data, units: Mapping[str, str]) -> None:
-    """Check that no speed begins as in another unit; simulated: outputs in the first row.
-
-    Raises
-    ------
-    ValueError
-        If one does.
-    """
+    """Check that no speed begins as in another unit; simulated: outputs in the first row."""
     for name, run, log in zip(names, simulated, data.wanted[0], strict=True):
         if units[name] != "m/s" or not min(run, log) > LEAST_SPEED:
             continue
@@ -191,17 +169,7 @@ def errors_by_output(
 ) -> list[Errors]:
     """Return the errors of each output in its size.
 
-    Parameters
-    ----------
-    times : array, shape (rows,)
-        [s]
-    there : array of bool, shape (rows, outputs)
-        Where values were measured.
-    slopes : array, shape (values, parameters)
-        Derivatives of the scaled outputs where they were measured, row by row.
-    off : array, shape (rows, outputs)
-        Simulated less measured outputs.
-    sizes : array, shape (outputs,)
+    Takes times [s] (rows,), there (rows, outputs), slopes (values, parameters), off (rows, outputs), sizes (outputs,).
     """
     of = np.nonzero(there)[1]
     columns = [(there[:, place], slopes[of == place], place) for place in range(there.shape[1])]

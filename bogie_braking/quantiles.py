@@ -16,20 +16,8 @@ BESIDE = (1.0 - CONFIDENCE) / 2.0
 def drawn_quantile(values: Numbers, share: float) -> tuple[float, float, float]:
     """Return the value that a share of all values exceeds, and its 95 % confidence interval.
 
-    Parameters
-    ----------
-    values : ndarray
-        Independent draws, shape (draws,).
-    share : float
-        Probability of a larger value, from 0 to 1.
+    Takes values (draws,).
 
-    Returns
-    -------
-    tuple of float
-        Quantile, lower and upper bound. A bound is infinite if there are too few draws for it.
-
-    Notes
-    -----
     By order statistics, for any distribution: the number of larger values is binomial (Conover 1999, section 3.2).
     """
     falling, count = np.sort(values)[::-1], values.size
@@ -43,20 +31,6 @@ def drawn_quantile(values: Numbers, share: float) -> tuple[float, float, float]:
 def split_quantile(populations: Sequence[Population], share: float) -> tuple[float, float, float]:
     """Return the output that is exceeded with a probability, and its 95 % confidence interval.
 
-    Parameters
-    ----------
-    populations : sequence of Population
-        At the end of a climb to a probability below this one.
-    share : float
-        Probability of a larger output.
-
-    Returns
-    -------
-    tuple of float
-        Quantile, lower and upper bound. A bound is infinite if the populations did not climb far enough for it.
-
-    Notes
-    -----
     The interval has the limits whose probability is not excluded by `interval_of_skewed`.
     """
     every = [one.outputs for population in populations for one in population.generations]
@@ -85,18 +59,8 @@ def interval_of_skewed(estimates: Numbers) -> tuple[float, float, float]:
     Estimates of small populations are skewed: with 20 particles `interval_of` contains the true value for 178 to 181 of
     200 seeds, this interval for 187 to 194.
 
-    Parameters
-    ----------
-    estimates : ndarray
-        Estimates, shape (populations,).
+    Takes estimates (populations,).
 
-    Returns
-    -------
-    tuple of float
-        Mean, lower and upper bound; those of `interval_of` if an estimate is 0.
-
-    Notes
-    -----
     Cox's interval with Student's quantile: Olsson (2005), Journal of Statistics Education 13 (1).
     """
     if np.any(estimates <= 0.0):

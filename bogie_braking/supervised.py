@@ -56,24 +56,7 @@ class OwnStop:
 def supervised_train(consist: Consist, largest: float, **others: Any) -> FromRuns:
     """Return the ETCS train data of a train, from stops on level, dry track.
 
-    Parameters
-    ----------
-    consist : Consist
-        The train.
-    largest : float
-        Largest speed of the train data [m/s]. The runs begin faster, so that the brake is developed there.
-    **others
-        Further data of `SupervisedTrain`, such as `Kdry_rst`.
-
-    Returns
-    -------
-    FromRuns
-        Train data, and what the runs showed.
-
-    Raises
-    ------
-    BadInputError
-        If the train has no pneumatic brake, does not stop, or cannot be run fast enough.
+    Takes largest [m/s].
     """
     emergency, service = (_brake(consist, name, largest) for name in COMMANDS)
     train = SupervisedTrain(
@@ -130,19 +113,7 @@ def _columns(record: Any, name: str, count: int) -> np.ndarray:
 def own_stops(consist: Consist, speeds: np.ndarray, places: np.ndarray, line: Line | None) -> list[OwnStop]:
     """Return stops of the train itself that begin where its front has these speeds.
 
-    Parameters
-    ----------
-    consist : Consist
-        The train.
-    speeds, places : ndarray
-        Speeds [m/s] and places of the front [m] at the command.
-    line : Line or None
-        The line; None: level.
-
-    Returns
-    -------
-    list of OwnStop
-        One for each speed; a train that does not stop within 900 s ends at infinity.
+    Takes speeds, places [m/s].
     """
     return [_own_stop(consist, *start, line) for start in zip(speeds.tolist(), places.tolist(), strict=True)]
 
@@ -163,21 +134,7 @@ def _own_stop(consist: Consist, speed: float, place: float, line: Line | None) -
 def brake_units(consist: Consist, speed: float, failure: float, spread: float) -> list[BrakeUnits]:
     """Return the braked vehicles of a train as units that fail independently, equal ones in one group.
 
-    Parameters
-    ----------
-    consist : Consist
-        The train.
-    speed : float
-        Speed at which forces of different vehicles are compared [m/s].
-    failure : float
-        Probability that the brake of a vehicle does not act.
-    spread : float
-        Standard deviation of the force of a vehicle over its nominal force.
-
-    Returns
-    -------
-    list of BrakeUnits
-        The groups; empty for a train without brakes.
+    Takes speed [m/s].
     """
     forces = [round(brake_force(one, speed), 3) for one in consist.vehicles]
     groups = Counter(force for force in forces if force > 0.0)
@@ -187,18 +144,7 @@ def brake_units(consist: Consist, speed: float, failure: float, spread: float) -
 def braked_vehicles(consist: Consist, speed: float) -> list[BrakedVehicles]:
     """Return the vehicles of a train for `factors_of`, equal ones in one group.
 
-    Parameters
-    ----------
-    consist : Consist
-        The train.
-    speed : float
-        Speed at which forces of different vehicles are compared [m/s].
-
-    Returns
-    -------
-    list of BrakedVehicles
-        Mean forces [N] and masses [kg] of groups. In trains of more than MOST_KINDS kinds, forces within 2 % are one.
-        Vehicles of constant friction are treated as those with discs, which is on the safe side.
+    Takes speed [m/s]; returns [N].
     """
     kinds = [(brake_force(one, speed), one.mass, one.brake.friction_law == CONSTANT) for one in consist.vehicles]
     if len(set(kinds)) > MOST_KINDS:

@@ -26,18 +26,6 @@ def times_and_values(name: str, given: Any) -> tuple[Numbers, Numbers]:
 
     A pair of columns and rows of (time, value) differ in their lengths. With two of each, a tuple of two lists or
     arrays is columns, and a list of two tuples is rows.
-
-    Parameters
-    ----------
-    name : str
-        The input, for messages and as the name of its field.
-    given : sequence or array
-        What a user gave. Times are numbers of seconds, `timedelta64` or `timedelta`.
-
-    Raises
-    ------
-    SimulationError
-        If it has none of the forms, or can be read in two ways.
     """
     columns = _columns(name, given)
     if columns is None:

@@ -136,37 +136,7 @@ def wet_factors(
     wheels ahead or not, and phases of the sensors are random. All wheels run on the same rail, so a train of such
     vehicles has the same factors.
 
-    Parameters
-    ----------
-    vehicle : str
-        "bogie" or "vehicle" (the coach), with the built-in protection.
-    rails : str or WetRails
-        One of WET_RAILS, or your own distribution.
-    level : int
-        Deepest confidence level, 0 to 9. Up to 3, plain draws suffice. Deeper levels climb by splitting, with 600 stops
-        for each halving of the probability.
-    speed : float
-        Initial speed [m/s].
-    draws : int
-        Number of plain draws.
-    particles, moves : int
-        As in `rare`, for deeper levels.
-    step : float
-        Integration step [s]; 0: adaptive, at twice the time.
-    seed : int
-        Seed of the random numbers.
-    threads : int, optional
-        Number of threads; by default the number of processors.
-
-    Returns
-    -------
-    WetFactors
-        Factors of the levels, NaN beyond the deepest one.
-
-    Raises
-    ------
-    BadInputError
-        If a number is outside its limits or a name is unknown.
+    Takes speed [m/s], step [s].
     """
     _check(level, speed, step)
     draws = at_most("draws", whole("draws", draws, 100), MOST_DRAWS)

@@ -75,16 +75,7 @@ def lump(before: ca.SX, gained: ca.SX, capacity: ca.SX, cooling: ca.SX) -> ca.SX
     First law: C dT/dt = P - G (T - T0), by the trapezoidal rule. It is stable for all steps, and what the lump takes
     and loses sums to its heat exactly.
 
-    Parameters
-    ----------
-    before : ca.SX
-        Temperature before the step [K].
-    gained : ca.SX
-        Heat that enters it in the step [J].
-    capacity : ca.SX
-        Heat capacity C [J/K].
-    cooling : ca.SX
-        Heat that it loses in the step for each K above the surroundings, G times the step [J/K].
+    Takes before [K], gained [J], capacity [J/K], cooling [J/K].
     """
     held = ca.if_else(capacity > 0, capacity + cooling / 2, 1)
     return before + ca.if_else(capacity > 0, (gained - cooling * (before - SURROUNDINGS)) / held, 0)

@@ -129,17 +129,7 @@ def _valid_speed(speed: float) -> float:
 def build_up_time(case: Case, length: float) -> float:
     """Return the equivalent build-up time of a train's brakes [s] (SUBSET-026 A.3.8, A.3.9).
 
-    Parameters
-    ----------
-    case : Case
-        Kind of braking.
-    length : float
-        Length of the train [m].
-
-    Raises
-    ------
-    ValueError
-        If the case is not valid for this length.
+    Takes length [m].
     """
     of = case.value
     advice = f"give a length for which {case.name} has a build-up time, or another case"
@@ -159,17 +149,7 @@ def deceleration_steps(case: Case, percentage: float) -> tuple[DecelerationStep,
 
     Bands of speed that end below the limit speed are omitted. The first remaining one begins there.
 
-    Parameters
-    ----------
-    case : Case
-        Kind of braking.
-    percentage : float
-        Brake weight percentage lambda [%], 30 to 250.
-
-    Raises
-    ------
-    ValueError
-        If the percentage is outside its limits.
+    Takes percentage [%].
     """
     of = _valid_percentage(percentage)
     if case.value.service:
@@ -197,16 +177,7 @@ def stopping_distance(case: Case, speed: float, percentage: float, length: float
 
     The track is level.
 
-    Parameters
-    ----------
-    case : Case
-        Kind of braking.
-    speed : float
-        Speed at the demand [m/s].
-    percentage : float
-        Brake weight percentage [%].
-    length : float
-        Length of the train [m].
+    Takes speed [m/s], percentage [%], length [m].
     """
     coming = _valid_speed(speed) * build_up_time(case, length)
     return coming + braking_distance(deceleration_steps(case, percentage), speed)
@@ -258,14 +229,7 @@ def distance_of_vehicle(percentage: float, assessment: Assessment) -> float:
 def mean_deceleration(speed: float, distance: float, build_up: float = VEHICLE_BUILD_UP) -> float:
     """Return the mean deceleration once the brake is on [m/s2], v^2 / (2 (S - T v)) (EN 14531-1).
 
-    Parameters
-    ----------
-    speed : float
-        Speed v [m/s].
-    distance : float
-        Stopping distance S [m].
-    build_up : float
-        Build-up time T [s].
+    Takes speed [m/s], distance [m], build_up [s].
     """
     _above_zero("speed", speed, "m/s", "a vehicle that stands has no deceleration")
     _within("build-up time", build_up, "s", 0.0, math.inf, "give the equivalent time of the brake")
@@ -317,11 +281,6 @@ def force_beside(resistance: Sequence[float], percentage: float, turning_mass: f
 
     A percentage is assessed by a stopping distance from 100 km/h, to which the running resistance a + b v + c v^2
     belongs (UIC 544-1). turning_mass [kg]: with that of the rotation.
-
-    Raises
-    ------
-    ValueError
-        If the resistance alone stops the vehicle earlier.
     """
     mean = force_of_percentage(percentage, turning_mass, FROM_100)
     way = turning_mass * FROM_100.speed**2 / (2 * mean)

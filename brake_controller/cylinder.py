@@ -140,22 +140,7 @@ def _finish(brake: Brake, pressure: ca.SX, spring_pressure: ca.SX, rubbing: Rubb
 def timed_brake(
     defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE, rubbing: Rubbing | None = None
 ) -> System:
-    """Return a brake whose pressure follows its demand with an application and a release time, section 2.4.2.
-
-    Parameters
-    ----------
-    defaults : BrakeParameters
-        Start values of its parameters.
-    table : FrictionTable
-        Table of the shoe friction law that reads one.
-    rubbing : Rubbing, optional
-        Friction pairs, by default shoes on treads with this table.
-
-    Returns
-    -------
-    System
-        The equations of one wheelset's brake.
-    """
+    """Return a brake whose pressure follows its demand with an application and a release time, section 2.4.2."""
     rubbing = rubbing or treads(table)
     brake = _begin("timed", "Cylinder pressure by application and release time", defaults, rubbing.without)
     p = brake.parameter

@@ -53,10 +53,7 @@ SHAPE = PointTable("shape_start", "shape_speed", "shape_change", MOST_DRIVE_POIN
 def shape_of(speeds: Sequence[float], forces: Sequence[float]) -> dict[str, float]:
     """Return the parameters of `OverSpeed` of points.
 
-    Parameters
-    ----------
-    speeds, forces : sequence of float
-        Two to MOST_DRIVE_POINTS speeds that rise [m/s], and forces, at least one of them above 0 [N].
+    Takes speeds, forces [m/s].
     """
     largest = max(forces)
     return SHAPE.numbers(speeds, [force / largest for force in forces]) | {"shape_end": speeds[-1]}

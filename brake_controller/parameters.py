@@ -50,20 +50,7 @@ def qr30(pressure_kpa: int = 180) -> BrakeParameters:
     Assumed: release as fast as application, no counter-force of the slack adjuster. For law 4 a fall by half within 35
     m/s, because section 2.5.2 gives no number.
 
-    Parameters
-    ----------
-    pressure_kpa : int
-        130, 150 or 180 [kPa].
-
-    Returns
-    -------
-    BrakeParameters
-        The brake.
-
-    Raises
-    ------
-    ValueError
-        If the experiment does not have this pressure.
+    Takes pressure_kpa [kPa].
     """
     if pressure_kpa not in EXPERIMENT:
         known = ", ".join(str(pressure) for pressure in EXPERIMENT)

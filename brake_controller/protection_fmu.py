@@ -36,11 +36,6 @@ def wheel_slide_in_python(file: Path, name: str, wheelsets: int = BOGIE) -> Step
 
     wheelsets: as for `wheel_slide_protection`. The file may import from brake_controller.wheel_slide and from packages
     of the host's Python; nothing else is included.
-
-    Raises
-    ------
-    ValueError
-        If the file has no such class, or imports the built-in protection.
     """
     text = file.read_text(encoding="utf-8")
     if f"class {name}" not in text:
@@ -61,13 +56,7 @@ def wheel_slide_in_python(file: Path, name: str, wheelsets: int = BOGIE) -> Step
 
 
 def wheel_slide_in_c(file: Path, wheelsets: int = BOGIE) -> StepInC:
-    """Return the FMU of a controller in C, the three functions of wheel_slide.h, with the name of its file.
-
-    Raises
-    ------
-    ValueError
-        If the name of the file cannot be that of a model.
-    """
+    """Return the FMU of a controller in C, the three functions of wheel_slide.h, with the name of its file."""
     if not re.fullmatch(r"[A-Za-z_]\w*", file.stem, re.ASCII):
         raise ValueError(f"The name of the file, and of its FMU, must be of letters, digits and _; got {file.name}.")
     sources = {one.name: one.read_text(encoding="utf-8") for one in (file, RIG / HEADER)}

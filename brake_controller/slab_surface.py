@@ -22,14 +22,7 @@ GAINS = (2 / math.pi**2, 0.0702, 0.0369, 1 / 3 - 2 / math.pi**2 - 0.0702 - 0.036
 def excesses(before: ca.SX, steady: ca.SX, fourier: ca.SX) -> ca.SX:
     """Return the modes of the surface after a step of constant heat [K], Carslaw and Jaeger (1959).
 
-    Parameters
-    ----------
-    before : ca.SX
-        Modes before the step [K].
-    steady : ca.SX
-        Temperature that the heat flux gives a conduction through the whole slab, q L / k [K].
-    fourier : ca.SX
-        Step times a / L^2. With 0 the modes stay as they are.
+    Takes before [K], steady [K].
     """
     left = [ca.exp(-rate * fourier) for rate in RATES]
     parts = zip(ca.vertsplit(before), left, GAINS, strict=True)

@@ -37,14 +37,7 @@ def emptying_time(flow: FlowParameters, orifice: float, start: float, end: float
 
     The remaining air, an ideal gas, expands along its polytrope, T ~ p^(1 - 1 / n), including the piston's return.
 
-    Parameters
-    ----------
-    flow : FlowParameters
-        The cylinder and its air.
-    orifice : float
-        Diameter of the opening [m].
-    start, end : float
-        First and last gauge pressure [Pa]. The cylinder was filled to `start` before.
+    Takes orifice [m], start, end [Pa].
     """
     p = ca.SX.sym("pressure")
     values, n = _symbols(flow), flow.polytropic_exponent
@@ -86,11 +79,6 @@ def with_application_time(flow: FlowParameters, pressure: float, time: float) ->
     """Return the cylinder with the application restriction that fills it to 95 % of `pressure` [Pa] in `time` [s].
 
     The restriction sets the time as in section 6.3.9.
-
-    Raises
-    ------
-    ValueError
-        If the time is not above 0.
     """
     return replace(flow, application_orifice=_scaled(flow.application_orifice, application_time(flow, pressure), time))
 
@@ -99,11 +87,6 @@ def with_release_time(flow: FlowParameters, pressure: float, time: float, end: f
     """Return the cylinder with the exhaust that releases it from `pressure` to 5 % or `end` [Pa] in `time` [s].
 
     Times are as in section 2.4.2; the venting valve opens the same exhaust.
-
-    Raises
-    ------
-    ValueError
-        If the time is not above 0.
     """
     orifice = _scaled(flow.release_orifice, release_time(flow, pressure, end), time)
     return replace(flow, release_orifice=orifice, vent_orifice=orifice)
@@ -113,11 +96,6 @@ def with_vent_time(flow: FlowParameters, pressure: float, time: float, end: floa
     """Return the cylinder with a valve that vents it from `pressure` to 5 % or `end` [Pa] in `time` [s].
 
     It is for wheel-slide protection (EN 15595).
-
-    Raises
-    ------
-    ValueError
-        If the time is not above 0.
     """
     return replace(flow, vent_orifice=_scaled(flow.vent_orifice, vent_time(flow, pressure, end), time))
 

@@ -104,12 +104,7 @@ def over_speed(standing: float, fast: float, half_speed: float) -> dict[str, flo
 
     mu = fast + (standing - fast) V2 / (V + V2), which is the second fraction of law 8 (Karwatzki (1950)).
 
-    Parameters
-    ----------
-    standing, fast : float
-        Friction at standstill, and at a speed without limit [1].
-    half_speed : float
-        Speed V2 at which half of the change is reached [m/s].
+    Takes half_speed [m/s].
     """
     return {
         "friction_law": float(FRACTIONS),
@@ -125,10 +120,7 @@ def over_speed(standing: float, fast: float, half_speed: float) -> dict[str, flo
 def over_points(speeds: Sequence[float], frictions: Sequence[float]) -> dict[str, float]:
     """Return the parameters of a friction over speed by points, constant before the first and after the last.
 
-    Parameters
-    ----------
-    speeds, frictions : sequence of float
-        Two to MOST_POINTS speeds that rise [m/s], and frictions [1].
+    Takes speeds, frictions [m/s].
     """
     return {"friction_law": float(TABLE)} | OVER_SPEED.numbers(speeds, frictions)
 

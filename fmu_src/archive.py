@@ -42,20 +42,7 @@ class ArchiveError(ValueError):
 
 
 def write_archive(path: Path, contents: Mapping[str, bytes]) -> None:
-    """Write the archive in one go: a failed build leaves the old file.
-
-    Parameters
-    ----------
-    path : Path
-        The archive.
-    contents : mapping of str to bytes
-        Files by their names in the archive.
-
-    Raises
-    ------
-    StorageError
-        If the file cannot be written.
-    """
+    """Write the archive in one go: a failed build leaves the old file."""
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, archive_bytes(contents))
@@ -75,13 +62,7 @@ def archive_bytes(contents: Mapping[str, bytes]) -> bytes:
 
 @contextmanager
 def opened(path: Path) -> Iterator[zipfile.ZipFile]:
-    """Yield an archive whose entries were checked. Errors while it is read are reported too.
-
-    Raises
-    ------
-    ArchiveError
-        If the file cannot be read or is not a valid archive.
-    """
+    """Yield an archive whose entries were checked. Errors while it is read are reported too."""
     try:
         with zipfile.ZipFile(path) as archive:
             check_entries(archive.infolist())
@@ -134,13 +115,7 @@ def check_entry(entry: zipfile.ZipInfo) -> None:
 
 
 def parts_of(name: str) -> list[str]:
-    """Return the parts of an entry's name.
-
-    Raises
-    ------
-    ArchiveError
-        If the name leaves the folder to which it is unpacked.
-    """
+    """Return the parts of an entry's name."""
     parts = [part for part in name.split("/") if part]
     control = any(ord(letter) < 32 for letter in name)
     if not parts or name.startswith("/") or any(part in (".", "..") for part in parts) or control:
@@ -153,13 +128,7 @@ def parts_of(name: str) -> list[str]:
 
 
 def read_entry(archive: zipfile.ZipFile, name: str, take: Callable[[bytes], object]) -> None:
-    """Pass an entry's bytes to `take` in chunks.
-
-    Raises
-    ------
-    ArchiveError
-        If the entry does not have the claimed number of bytes.
-    """
+    """Pass an entry's bytes to `take` in chunks."""
     found, claimed = 0, archive.getinfo(name).file_size
     with archive.open(name) as packed, suppress(EOFError):
         while chunk := packed.read(CHUNK):
@@ -174,19 +143,7 @@ def files_in(
 ) -> dict[str, bytes]:
     """Return the wanted files of an archive by name.
 
-    Parameters
-    ----------
-    archive : ZipFile
-        The open archive.
-    wanted : callable
-        Returns whether a name is wanted.
-    largest : int
-        Largest size of all together [bytes].
-
-    Raises
-    ------
-    ArchiveError
-        If the files are larger or damaged.
+    Takes largest [bytes].
     """
     asked = [one for one in archive.infolist() if not one.is_dir() and wanted(one.filename)]
     if sum(one.file_size for one in asked) > largest:
@@ -207,15 +164,7 @@ def contents_of(path: Path) -> dict[str, bytes]:
 
 
 def unpack(archive: zipfile.ZipFile, folder: Path, wanted: Callable[[str], bool]) -> None:
-    """Unpack the wanted entries into an empty folder.
-
-    Raises
-    ------
-    ArchiveError
-        If the archive is damaged.
-    StorageError
-        If the folder cannot be written.
-    """
+    """Unpack the wanted entries into an empty folder."""
     for entry in archive.infolist():
         if not wanted(entry.filename):
             continue

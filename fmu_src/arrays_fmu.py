@@ -116,23 +116,7 @@ class Lengths:
 def build_arrays_fmu(
     given: ArraysInC, of: Lengths, path: Path, version: int, binaries: Mapping[str, bytes], extras: Mapping[str, bytes]
 ) -> None:
-    """Write the FMU of an object with arrays.
-
-    Parameters
-    ----------
-    given : ArraysInC
-        The object.
-    of : Lengths
-        Lengths of its arrays, their start values, its data and the default experiment.
-    path : Path
-        The FMU.
-    version : int
-        2 or 3, of FMI.
-    binaries : mapping of str to bytes
-        By their places in binaries/.
-    extras : mapping of str to bytes
-        Further files by their names in the archive.
-    """
+    """Write the FMU of an object with arrays."""
     about = (description2 if version == 2 else description3)(given, of)
     files = {"modelDescription.xml": about.encode()}
     files |= {f"binaries/{place}": data for place, data in binaries.items()}

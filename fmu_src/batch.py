@@ -237,34 +237,7 @@ def run_batch(
 ) -> Ends:
     """Run each set of values from 0 to `stop` seconds, or until the run ends by itself.
 
-    Parameters
-    ----------
-    library : BatchLibrary
-        The compiled system.
-    values : mapping of str to array_like
-        Parameters and inputs by name: a number for all runs, or an array of shape (runs,). A file has one path for all.
-    stop : float
-        End of the runs [s].
-    outputs : sequence of str
-        Names of the outputs to return.
-    threads : int or None
-        Number of threads; None: the number of processors.
-    path : str or None
-        Table file of all runs.
-    all_messages : bool
-        Return the messages of all runs, as the status of a recording.
-
-    Returns
-    -------
-    Ends
-        Final values, end times and messages.
-
-    Raises
-    ------
-    SimulationError
-        If a name is unknown.
-    ValueError
-        If arrays differ in length.
+    Takes values (runs,), stop [s].
     """
     values, named = library.parted(values, path)
     table = table_of(values)

@@ -87,17 +87,6 @@ def part_in_c(name: str, counts: tuple[int, int, int], source: str, common: str 
         static void NAME(const double *arguments, const double *constants, double *results, double *slopes)
 
     Here `slopes` is 0, or room for the derivatives of all results by the arguments, column by column.
-
-    Parameters
-    ----------
-    name : str
-        Name of the part.
-    counts : tuple of int
-        Numbers of its arguments, constants and results.
-    source : str
-        C of the function.
-    common : str
-        C that is placed before `source`, once for all parts with the same.
     """
     arguments, constants = ca.SX.sym("arguments", counts[0]), ca.SX.sym("constants", counts[1])
     all_of_it = math.nan * (ca.sum1(arguments) + ca.sum1(constants))
@@ -253,20 +242,7 @@ class Chain:
     def call(
         self, part: Part, given: ca.SX, constants: ca.SX, when: ca.SX | float = 1.0, each: Each | None = None
     ) -> ca.SX:
-        """Return the results of a part, shape (results, 1); all calls share its code, and its derivatives are exact.
-
-        Parameters
-        ----------
-        part : Part
-            The function.
-        given, constants : SX
-            Its arguments and constants here.
-        when : SX or float
-            Above 0 if the part is needed; elsewhere its results are 0 and not computed. They must be 0 already where
-            `when` changes its sign.
-        each : Each or None
-            The list of records for which the part is called; only within a part.
-        """
+        """Return the results of a part, shape (results, 1); all calls share its code, and its derivatives are exact."""
         pattern = part.slope.sparsity()
         symbols, slopes = ca.SX.sym(part.name, part.results.numel()), ca.SX.sym(f"d_{part.name}", pattern.nnz())
         plain = self.without_waists(all_taken(given, constants, ca.SX(when)))
@@ -282,14 +258,6 @@ class Chain:
 
         Only derivatives change: they are taken up to these symbols and from them on, and multiplied. So a force in many
         equations is differentiated once. A constant value stays a number.
-
-        Parameters
-        ----------
-        values : SX
-            The intermediate variables.
-        follows : tuple of SX or None
-            Few variables on which the values depend, and the exact slopes by these. Use it if their formula is shorter
-            than the result of differentiation.
         """
         every = ca.densify(values)
         varying = [n for n, one in enumerate(ca.vertsplit(every)) if not one.is_constant()]

@@ -14,20 +14,6 @@ def alone(model: Model, values: Mapping[str, Any], with_file: bool = False) -> M
     """Return the model with only the system that its selectors and a table file choose.
 
     Its runs have the same numbers and messages.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    values : mapping of str to object
-        Values of the selectors by name; start values for all others.
-    with_file : bool
-        Whether a table file is set.
-
-    Raises
-    ------
-    ValueError
-        If they choose no system.
     """
     selectors = [next(one for one in model.variables if one.name == name) for name in model.selectors]
     place = place_in(model.choice, selectors, values, with_file) if model.table_file or not with_file else NONE

@@ -74,13 +74,7 @@ class CompilerError(RuntimeError):
 
 
 def cache() -> Path:
-    """Return the folder of the cache, created if missing; only its owner can write to it.
-
-    Raises
-    ------
-    CompilerError
-        If the folder cannot be created or others can write to it.
-    """
+    """Return the folder of the cache, created if missing; only its owner can write to it."""
     with _told():
         return own_folder(CACHE, ANOTHER_CACHE)
 
@@ -216,20 +210,7 @@ def _object_of(name: str, files: Mapping[str, str], flags: Sequence[str], target
 
 
 def in_cache(name: str, make: Callable[[Path], Path]) -> Path:
-    """Return the path of a file in the cache, made now unless it is there and whole.
-
-    Parameters
-    ----------
-    name : str
-        Name of the file.
-    make : callable
-        Makes the file in a temporary folder and returns its path.
-
-    Raises
-    ------
-    CompilerError
-        If the file cannot be compiled or written.
-    """
+    """Return the path of a file in the cache, made now unless it is there and whole."""
     path = cache() / name
     with _told(), missing(path, ANOTHER_CACHE) as absent:
         if absent:
@@ -305,27 +286,6 @@ def compile_library(
     """Compile generated sources with the runtime to a shared library.
 
     A library calls its own functions, also if the host has loaded others of the same names.
-
-    Parameters
-    ----------
-    sources : mapping of str to str
-        Generated C files by name.
-    output : Path
-        The shared library.
-    flags : sequence of str
-        Flags of the compiler.
-    target : str or None
-        Target of zig; None for this machine.
-    fmu : bool
-        True: the binary of an FMU, which exports the functions of FMI alone. False: a library for kernel.py, which
-        exports those of kernel.h and studies.h.
-    lanes : int
-        Lanes of a batch library, whose own sources are among `sources`; 0 for any other library.
-
-    Raises
-    ------
-    CompilerError
-        If the compiler is missing or fails.
     """
     flags = _flags_for(target, flags)
     names, shown = (FACE_SOURCES, []) if fmu else (STUDY_SOURCES, ["-DKERNEL_LIBRARY"])

@@ -21,20 +21,6 @@ def scope(system: System, before: str = "", after: str = "", common: Collection[
 
     It renames variables, states, tables and observables. Equations use symbols, not names, and are unchanged. So are
     the messages of frictions and conditions.
-
-    Parameters
-    ----------
-    system : System
-        The system.
-    before, after : str
-        Texts before and after each name.
-    common : collection of str
-        Names that do not change.
-
-    Returns
-    -------
-    System
-        The renamed copy.
     """
     return _named(system, lambda name: name if name in common else f"{before}{name}{after}")
 
@@ -69,26 +55,6 @@ def compose(name: str, description: str, parts: Sequence[System], connections: M
     """Join several systems into one that shares the time.
 
     Parameters of one name are one parameter, declared as in the first part that has it.
-
-    Parameters
-    ----------
-    name, description : str
-        Name and description of the new system.
-    parts : sequence of System
-        The systems to join.
-    connections : mapping of str to str
-        The output that each input becomes, by names.
-
-    Returns
-    -------
-    System
-        The joined system.
-
-    Raises
-    ------
-    ValueError
-        If another name occurs twice, if a connection leads to an unknown variable or to one in another unit, or if
-        outputs and inputs depend on each other in a ring without a state.
     """
     whole = System(name, description)
     links = [_Link(link) for part in parts for link in part.links]

@@ -48,20 +48,7 @@ HEAD = (
 
 
 def equations_in_c(name: str, made: Mapping[str, Generated]) -> dict[str, str]:
-    """Return C files by name: all functions, their parts in lanes, a file for each number of lanes, and tables.
-
-    Parameters
-    ----------
-    name : str
-        Prefix of all names that are local to these files, so that files of several systems may become one unit.
-    made : mapping of str to Generated
-        The functions of the system.
-
-    Raises
-    ------
-    ValueError
-        If two parts have one name, or an operation has no C.
-    """
+    """Return C files by name: all functions, their parts in lanes, a file for each number of lanes, and tables."""
     own = list(made.values())
     parts = _functions_of_parts(own)
     shared, own = [one for one in own if is_shared(one)], [one for one in own if not is_shared(one)]
@@ -210,13 +197,7 @@ def _parts_within(
 
 
 def functions_in_lanes(name: str, made: Mapping[str, Generated]) -> tuple[list[str], list[str]]:
-    """Return C of the parts given in C, and of all functions over several instances, LANES_NAME(NAME_FUNCTION).
-
-    Raises
-    ------
-    ValueError
-        As `equations_in_c`.
-    """
+    """Return C of the parts given in C, and of all functions over several instances, LANES_NAME(NAME_FUNCTION)."""
     own = list(made.values())
     given, texts = _parts_within(name, _functions_of_parts(own), [(one, WIDTHS[-1]) for one in own])
     return given, [*texts, *(_written(_of_all_lanes(name, one)) for one in own)]

@@ -36,17 +36,7 @@ def token_in(description: str) -> str:
 
 
 def with_data(contents: Mapping[str, bytes], data: Mapping[str, bytes], title: str = "") -> dict[str, bytes]:
-    """Return the files of a native FMU with data that decide its answers, and with a GUID of its own.
-
-    Parameters
-    ----------
-    contents : mapping of str to bytes
-        Files of the FMU by their places.
-    data : mapping of str to bytes
-        Files that the binary reads, by their names in resources/. They replace those of the same names.
-    title : str
-        Name of the model for people; empty: as it is.
-    """
+    """Return the files of a native FMU with data that decide its answers, and with a GUID of its own."""
     about = contents["modelDescription.xml"].decode()
     if title:
         shown = escape(title, {'"': "&quot;"})

@@ -189,18 +189,7 @@ class Kernel:
         raise AttributeError("Kernel has no attribute journal; its name is messages now.")
 
     def set(self, **values: float | str) -> None:
-        """Set parameters (before the first step) or inputs, by name, in their units.
-
-        Parameters
-        ----------
-        **values : float or str
-            A string is the path of a file, which is read at once.
-
-        Raises
-        ------
-        SimulationError
-            If a name is unknown or a value is refused; the old value is kept.
-        """
+        """Set parameters (before the first step) or inputs, by name, in their units."""
         for name, value in values.items():
             if isinstance(value, str):
                 self.set_text(self.number_of(name), value)
@@ -222,18 +211,7 @@ class Kernel:
         return os.fsdecode(found.value or b"")
 
     def set_rate(self, **rates: float) -> None:
-        """Set rates of change of inputs for the next step, so that steps become ramps.
-
-        Parameters
-        ----------
-        **rates : float
-            Rates by the names of inputs, in their units per second.
-
-        Raises
-        ------
-        SimulationError
-            If a name or a rate is refused.
-        """
+        """Set rates of change of inputs for the next step, so that steps become ramps."""
         for name, rate in rates.items():
             self._check(self._call.kernel_set_rate(self._handle, self.number_of(name), rate))
 
@@ -241,23 +219,7 @@ class Kernel:
         return self.get_number(self.number_of(name))
 
     def get_number(self, variable: int) -> float:
-        """Return the value of a variable by its number.
-
-        Parameters
-        ----------
-        variable : int
-            Its place in `Library.names`.
-
-        Returns
-        -------
-        float
-            The value, in its unit.
-
-        Raises
-        ------
-        SimulationError
-            If there is no such variable, or if it is a text.
-        """
+        """Return the value of a variable by its number."""
         self._check(self._call.kernel_get(self._handle, variable, ctypes.byref(self._number)))
         return self._number.value
 
@@ -286,19 +248,7 @@ class Kernel:
     def plan(self, start: float, stop: float | None = None, tolerance: float | None = None) -> None:
         """Set the stop time and the tolerance before initialisation.
 
-        Parameters
-        ----------
-        start : float
-            Start time [s].
-        stop : float or None
-            Time that no step may pass [s].
-        tolerance : float or None
-            Relative tolerance; an unsuitable value causes a warning.
-
-        Raises
-        ------
-        SimulationError
-            If the stop is before the start; the old stop is kept.
+        Takes start [s], stop [s].
         """
         asked, end = (None if value is None else ctypes.byref(ctypes.c_double(value)) for value in (tolerance, stop))
         self._check(self._call.kernel_plan(self._handle, asked, start, end))
@@ -306,15 +256,7 @@ class Kernel:
     def initialise(self, time: float = 0.0) -> None:
         """Compute the state at the start; parameters are fixed from then on.
 
-        Parameters
-        ----------
-        time : float
-            Start time [s].
-
-        Raises
-        ------
-        SimulationError
-            If the values do not allow a start.
+        Takes time [s].
         """
         self._check(self._call.kernel_initialise(self._handle, time))
 
@@ -329,32 +271,14 @@ class Kernel:
     def step(self, time: float, size: float) -> None:
         """Advance by one step.
 
-        Parameters
-        ----------
-        time : float
-            Start of the step [s].
-        size : float
-            Size of the step [s].
-
-        Raises
-        ------
-        SimulationError
-            If the step fails; after an error nothing was advanced.
+        Takes time [s], size [s].
         """
         self._check(self._call.kernel_step(self._handle, time, size))
 
     def advance(self, size: float) -> None:
         """Advance from the present time; initialise if needed.
 
-        Parameters
-        ----------
-        size : float
-            Duration [s].
-
-        Raises
-        ------
-        SimulationError
-            If the step fails or the run has ended.
+        Takes size [s].
         """
         if not self.initialised:
             self.initialise()
@@ -366,24 +290,7 @@ class Kernel:
         Recording uses the continuous extension of the method and does not shorten its steps. If a run ends early, the
         rows before its end are returned.
 
-        Parameters
-        ----------
-        size : float
-            Duration [s].
-        interval : float
-            Recording interval [s].
-        names : sequence of str
-            The variables.
-
-        Returns
-        -------
-        dict of str to list of float
-            Values by name, each in its unit.
-
-        Raises
-        ------
-        SimulationError
-            If a name is unknown, or if a step fails.
+        Takes size [s], interval [s].
         """
         if not self.initialised:
             self.initialise()
@@ -406,30 +313,13 @@ class Kernel:
         return table | {name: buffer[column : kept * columns : columns] for column, name in enumerate(names)}
 
     def save(self) -> bytes:
-        """Return the complete state bit for bit, sealed: changed bytes are refused.
-
-        Returns
-        -------
-        bytes
-            The state, for `restore`.
-        """
+        """Return the complete state bit for bit, sealed: changed bytes are refused."""
         buffer = ctypes.create_string_buffer(self._call.kernel_state_size(self._handle))
         self._call.kernel_save(self._handle, buffer)
         return buffer.raw
 
     def restore(self, state: bytes) -> None:
-        """Restore a state from `save` of the same model.
-
-        Parameters
-        ----------
-        state : bytes
-            The state.
-
-        Raises
-        ------
-        SimulationError
-            If the bytes have changed or belong to another model; the present state is kept.
-        """
+        """Restore a state from `save` of the same model."""
         self._check(self._call.kernel_restore(self._handle, state, len(state)))
 
     @property
@@ -440,18 +330,7 @@ class Kernel:
         return dict(zip(COUNTERS, numbers, strict=True))
 
     def linearise(self) -> Linearisation:
-        """Return the linearised equations at the present state.
-
-        Returns
-        -------
-        Linearisation
-            State, right-hand side and Jacobian.
-
-        Raises
-        ------
-        SimulationError
-            If the kernel is not initialised.
-        """
+        """Return the linearised equations at the present state."""
         count = self._call.kernel_state_count(self._handle)
         state, slope, jacobian = ((ctypes.c_double * size)() for size in (count, count, count * count))
         self._check(self._call.kernel_linearise(self._handle, state, slope, jacobian))
@@ -464,17 +343,7 @@ class Kernel:
         It is for other methods, which start at the present state: inputs continue along their ramps, modes stay. See
         `margin_at` and `arrive`.
 
-        Parameters
-        ----------
-        time : float
-            Time [s].
-        place : sequence of float
-            States in the order of the system, without the algebraic ones.
-
-        Returns
-        -------
-        list of float
-            Slopes in the same order, in their units per second.
+        Takes time [s].
         """
         count = len(place)
         given, slope = (ctypes.c_double * count)(*place), (ctypes.c_double * count)()
@@ -484,22 +353,7 @@ class Kernel:
     def jacobian_at(self, time: float, place: Sequence[float]) -> list[list[float]]:
         """Return the exact derivatives of `slopes_at` by `place`.
 
-        Parameters
-        ----------
-        time : float
-            The time [s].
-        place : sequence of float
-            Values of the differential states.
-
-        Returns
-        -------
-        list of list of float
-            Derivatives by rows.
-
-        Raises
-        ------
-        SimulationError
-            If the equations have no solution there.
+        Takes time [s].
         """
         count = len(place)
         given, slope = (ctypes.c_double * count)(*place), (ctypes.c_double * count)()
@@ -510,22 +364,7 @@ class Kernel:
     def margin_at(self, time: float, place: Sequence[float]) -> float:
         """Return the margin of the next switch of a mode, or of the end of the run.
 
-        Parameters
-        ----------
-        time : float
-            The time [s].
-        place : sequence of float
-            Values of the differential states.
-
-        Returns
-        -------
-        float
-            The margin; negative beyond the switch.
-
-        Raises
-        ------
-        SimulationError
-            If the equations have no solution there.
+        Takes time [s].
         """
         given = (ctypes.c_double * len(place))(*place)
         self._check(self._call.kernel_margin_at(self._handle, time, given, ctypes.byref(self._number)))
@@ -534,24 +373,7 @@ class Kernel:
     def arrive(self, time: float, place: Sequence[float], crossed: bool = False) -> list[float]:
         """Go to a time and place and switch what has crossed, unless the run has `ended`.
 
-        Parameters
-        ----------
-        time : float
-            The time [s].
-        place : sequence of float
-            Values of the differential states.
-        crossed : bool
-            True if the place was located as that of a switch; round-off may leave it on this side.
-
-        Returns
-        -------
-        list of float
-            The place after the switch.
-
-        Raises
-        ------
-        SimulationError
-            If the equations have no solution there.
+        Takes time [s].
         """
         given = (ctypes.c_double * len(place))(*place)
         self._check(self._call.kernel_arrive(self._handle, time, given, crossed))
@@ -563,42 +385,13 @@ class Kernel:
         return int(self._handle)
 
     def rates(self, names: Sequence[str]) -> list[float]:
-        """Return first derivatives of outputs by time, with the inputs continued as in the last step.
-
-        Parameters
-        ----------
-        names : sequence of str
-            Names of outputs.
-
-        Returns
-        -------
-        list of float
-            Derivatives, in the units of the outputs per second.
-
-        Raises
-        ------
-        SimulationError
-            If a name is not that of a real output.
-        """
+        """Return first derivatives of outputs by time, with the inputs continued as in the last step."""
         found = (ctypes.c_double * len(names))()
         self._check(self._call.kernel_get_rates(self._handle, len(names), self._numbers(names), found))
         return list(found)
 
     def directional(self, outputs: Sequence[str], change: Mapping[str, float]) -> list[float]:
-        """Return derivatives of outputs along a change of inputs and states; other states are held.
-
-        Parameters
-        ----------
-        outputs : sequence of str
-            Names of the outputs.
-        change : mapping of str to float
-            Changes of inputs and states (`state_NAME`), in their units.
-
-        Raises
-        ------
-        SimulationError
-            If a name is unknown or the derivative is not finite.
-        """
+        """Return derivatives of outputs along a change of inputs and states; other states are held."""
         found, values = (ctypes.c_double * len(outputs))(), (ctypes.c_double * len(change))(*change.values())
         self._check(
             self._call.kernel_get_directional(
@@ -634,23 +427,7 @@ class Kernel:
             raise SimulationError(self._call.kernel_message(self._handle).decode(), status)
 
     def number_of(self, name: str) -> int:
-        """Return the number of a variable.
-
-        Parameters
-        ----------
-        name : str
-            Name of the variable.
-
-        Returns
-        -------
-        int
-            Its place in `Library.names`.
-
-        Raises
-        ------
-        SimulationError
-            If the variable does not exist.
-        """
+        """Return the number of a variable."""
         number = self.library.index.get(name)
         if number is None:
             raise SimulationError(f"There is no variable {name}; {self._suggestion(name)}", ERROR)

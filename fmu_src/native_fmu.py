@@ -69,24 +69,7 @@ ONE_UNIT = "all.c"
 def build_native_fmu(
     model: Model, path: Path, platforms: Sequence[str] = (), extras: Mapping[str, bytes] | None = None
 ) -> None:
-    """Write the native FMU of a model.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    path : Path
-        The FMU.
-    platforms : sequence of str
-        Names in PLATFORMS, compiled with zig; empty: this platform, with its own compiler.
-    extras : mapping of str to bytes
-        Further files by their names in the archive.
-
-    Raises
-    ------
-    CompilerError
-        If the compiler is missing or fails.
-    """
+    """Write the native FMU of a model."""
     sources = generate(model)
     about = model_description(model, guid_of(sources), source_files=[ONE_UNIT])
     binaries = _binaries(model, sources, platforms or [fmpy.platform], PLATFORMS if platforms else {})
@@ -97,20 +80,7 @@ def build_native_fmu(
 def build_native_fmu3(
     model: Model, path: Path, platforms: Sequence[str] = (), extras: Mapping[str, bytes] | None = None
 ) -> None:
-    """Write the native FMU of FMI 3.0.
-
-    Parameters
-    ----------
-    model, path, extras
-        As in `build_native_fmu`.
-    platforms : sequence of str
-        Names in PLATFORMS3, compiled with zig; empty: this platform.
-
-    Raises
-    ------
-    CompilerError
-        If the compiler is missing or fails.
-    """
+    """Write the native FMU of FMI 3.0."""
     sources = generate(model)
     about = model_description3(model, guid_of(sources))
     binaries = _binaries(model, sources, platforms or [fmpy.platform_tuple], PLATFORMS3 if platforms else {})

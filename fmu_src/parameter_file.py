@@ -18,19 +18,7 @@ def parameter_file(
 ) -> bytes:
     """Return a set of values in SI units for an FMU.
 
-    Parameters
-    ----------
-    name, description : str
-        Name and description of the set.
-    values : mapping of str to float or str
-        Values by name [SI]; a text for a parameter that holds a path.
-    variables : iterable of Variable
-        Variables of the FMU.
-
-    Raises
-    ------
-    ValueError
-        If a name is not a variable, or a value is not of its kind.
+    Takes values [SI].
     """
     known = {variable.name: variable for variable in variables}
     root = ET.Element("ssv:ParameterSet", {"version": "1.0", "name": name, "description": description} | NAMESPACES)

@@ -23,37 +23,14 @@ EQUAL = 1e-9
 def interpolation(breakpoints: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """Return the straight lines through points, for `look_up`.
 
-    Parameters
-    ----------
-    breakpoints, values : array_like
-        The points, shape (n,) each.
-
-    Returns
-    -------
-    tuple of ndarray
-        Breakpoints, shape (n,), and coefficients, shape (n - 1, 2).
+    Takes breakpoints, values (n,); returns (n,).
     """
     x, y = np.asarray(breakpoints, float), np.asarray(values, float)
     return x, np.column_stack([y[:-1], np.diff(y) / np.diff(x)])
 
 
 def polynomials(piece: ca.SX, argument: ca.SX, order: int) -> list[ca.SX]:
-    """Return value and derivatives of a piece by Horner's rule.
-
-    Parameters
-    ----------
-    piece : SX
-        Column (origin, c0, ..., c_degree), the result of `look_up`.
-    argument : SX
-        The place.
-    order : int
-        Highest derivative.
-
-    Returns
-    -------
-    list of SX
-        Value and derivatives up to `order`.
-    """
+    """Return value and derivatives of a piece by Horner's rule."""
     distance = argument - piece[0]
     terms = [piece[1 + power] for power in range(piece.numel() - 1)]
     values = []
@@ -70,29 +47,6 @@ def look_up(chain: Chain, name: str, breakpoints: np.ndarray, coefficients: np.n
     """Return the piece of a piecewise polynomial at a place, for `polynomials`.
 
     Outside the breakpoints it keeps its end value.
-
-    Parameters
-    ----------
-    chain : Chain
-        The equations.
-    name : str
-        Name of the table in messages.
-    breakpoints : ndarray
-        Shape (pieces + 1,), increasing.
-    coefficients : ndarray
-        Shape (pieces, degree + 1), lowest power first, of (argument - left breakpoint).
-    argument : SX
-        The place.
-
-    Returns
-    -------
-    SX
-        Column (origin, c0, ..., c_degree).
-
-    Raises
-    ------
-    ValueError
-        If breakpoints do not increase or the shapes do not fit.
     """
     breakpoints, coefficients = np.asarray(breakpoints, float), np.asarray(coefficients, float)
     if np.any(np.diff(breakpoints) <= 0.0) or coefficients.shape[0] != breakpoints.size - 1:
@@ -111,21 +65,7 @@ def _piece_at(breakpoints: bytes, coefficients: bytes, terms: int) -> Part:
 
 
 def look_up_in(chain: Chain, record: ca.SX, table: int, terms: int, argument: ca.SX) -> ca.SX:
-    """Return the piece (origin, c0, ..., c_degree) of a table of a record (records.py) at `argument`.
-
-    Parameters
-    ----------
-    chain : Chain
-        The equations.
-    record : SX
-        The record.
-    table : int
-        Place of the table among those of the record.
-    terms : int
-        Number of coefficients of a piece.
-    argument : SX
-        The place; outside the breakpoints the polynomial keeps its end value.
-    """
+    """Return the piece (origin, c0, ..., c_degree) of a table of a record (records.py) at `argument`."""
     return chain.call(_piece_in(table, terms), ca.SX(argument), ca.SX(record))
 
 

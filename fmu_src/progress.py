@@ -31,19 +31,6 @@ def counting(
     """Return a progress bar over items, or up to a total that `update` counts.
 
     The bar disappears at its end. It is disabled if standard error is a file or a pipe, and after `hide_bars`.
-
-    Parameters
-    ----------
-    items
-        What to iterate over; None if `update` counts.
-    text
-        The words in front of the bar.
-    total
-        The value of a full bar, in `unit`; None if unknown.
-    unit
-        The unit of the count.
-    form
-        Further arguments of `tqdm.tqdm`, such as `bar_format`.
     """
     hidden = True if _SWITCH.hidden else None  # tqdm takes None as: only on a terminal
     return tqdm(items, text, total, delay=PATIENCE, leave=False, unit=unit, disable=hidden, **form)

@@ -19,17 +19,7 @@ OWN = "records_"
 
 
 def record_file_source(file: RecordFile, variable: int, roots: int) -> str:
-    """Return C of RECORD_FILE, a `record_file_description`.
-
-    Parameters
-    ----------
-    file : RecordFile
-        The description.
-    variable : int
-        Place of the variable that names the file.
-    roots : int
-        The largest number of root records that a system reads; 0 if none reads them.
-    """
+    """Return C of RECORD_FILE, a `record_file_description`."""
     kinds = kinds_of(file.kind)
     places = [f"KIND_{kind.name.upper()}" for kind in kinds]
     names = [f"enum {{ {', '.join(places)} }};"]

@@ -62,23 +62,7 @@ def write_ssp(
 ) -> None:
     """Write the archive.
 
-    Parameters
-    ----------
-    path : Path
-        The archive.
-    name : str
-        Name of the system.
-    components : sequence of Component
-        The FMUs.
-    connections : sequence of Wire
-        Outputs that become inputs.
-    experiment : tuple of float
-        Stop time and macro step [s].
-
-    Raises
-    ------
-    ValueError
-        If an FMU has no variable of a name.
+    Takes experiment [s].
     """
     components = _with_own_files(components)
     contents = {f"resources/{one.file}": with_start_values(one.fmu, one.parameters) for one in components}

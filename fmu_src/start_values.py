@@ -19,24 +19,7 @@ NATIVE = "sources/model.c"
 def with_start_values(
     fmu: Path, values: Mapping[str, float], data: Mapping[str, bytes] | None = None, title: str = ""
 ) -> bytes:
-    """Return the archive of a native FMU that starts with these values, in its description too, with its own GUID.
-
-    Parameters
-    ----------
-    fmu : Path
-        The FMU. An archive that is not native is returned as it is.
-    values : mapping of str to float
-        Start values by name, in SI units; those that the FMU has already stay.
-    data : mapping of str to bytes, optional
-        Other files that its binary reads, by their names in resources/.
-    title : str
-        Name of the model for people; empty: as it is.
-
-    Raises
-    ------
-    ValueError
-        If the FMU has no variable of a name, or an integer is not whole.
-    """
+    """Return the archive of a native FMU that starts with these values, in its description too, with its own GUID."""
     contents = contents_of(fmu)
     if not (values or data or title) or NATIVE not in contents:
         return fmu.read_bytes()

@@ -15,24 +15,7 @@ from fmu_src.system import StepInC, Variable
 
 
 def build_step_fmu_in_c(step: StepInC, path: Path, platforms: Sequence[str] = (), version: int = 2) -> None:
-    """Write the FMU with its sources.
-
-    Parameters
-    ----------
-    step : StepInC
-        The step model.
-    path : Path
-        The FMU.
-    platforms : sequence of str
-        Names in PLATFORMS or PLATFORMS3, compiled with zig; empty: this platform.
-    version : int
-        2 or 3, of FMI.
-
-    Raises
-    ------
-    CompilerError
-        If the compiler is missing or fails.
-    """
+    """Write the FMU with its sources."""
     known, own = (PLATFORMS, fmpy.platform) if version == 2 else (PLATFORMS3, fmpy.platform_tuple)
     given, binaries = step_in_c(step), {}
     for name in platforms or [own]:

@@ -103,19 +103,7 @@ def quantity(
 ) -> Any:
     """Return a field of a `ParameterSet`.
 
-    Parameters
-    ----------
-    unit, description : str
-        SI unit, and the meaning with the symbol of the source.
-    minimum, maximum : float
-        Limits [unit]. Infinite ones of real values are replaced by the widest of the unit, as in `Variable`.
-    kind : str
-        "real", "integer" or "boolean".
-
-    Returns
-    -------
-    Any
-        A dataclass field.
+    Takes minimum, maximum [unit].
     """
     if kind == "real":
         minimum, maximum = widest(unit, minimum, maximum)
@@ -159,28 +147,11 @@ class ParameterSet:
                 )
 
     def values(self) -> dict[str, float]:
-        """Return all fields by name.
-
-        Returns
-        -------
-        dict of str to float
-            Values in SI units.
-        """
+        """Return all fields by name."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
     def variable(self, name: str) -> Variable:
-        """Return the FMU parameter of one field.
-
-        Parameters
-        ----------
-        name : str
-            Name of the field.
-
-        Returns
-        -------
-        Variable
-            The parameter, with this set's value as its start value.
-        """
+        """Return the FMU parameter of one field."""
         item = next(item for item in fields(self) if item.name == name)
         return Variable(name, "parameter", start=getattr(self, name), **item.metadata)
 
@@ -1327,14 +1298,7 @@ class Model:
 def model_of(system: System, tolerance: float, step_size: float = 1e-3, stop_time: float = 10.0) -> Model:
     """Return the model of one system.
 
-    Parameters
-    ----------
-    system : System
-        The system; the variable that names its table file is added if it reads one.
-    tolerance : float
-        Start value of the tolerance.
-    step_size, stop_time : float
-        The default experiment [s].
+    Takes step_size, stop_time [s].
     """
     named = [file.variable for file in (system.table_file, system.record_file) if file]
     variables = (*system.variables, *named, *integration_variables(tolerance))
@@ -1358,22 +1322,7 @@ def model_of_choices(
 
     A system may have a selector among its parameters, if several of its values choose that system.
 
-    Parameters
-    ----------
-    name, description : str
-        Name and description of the model.
-    systems : tuple of System
-        The systems.
-    selectors, choice
-        Integer parameters and the systems that they choose, as in `Model`.
-    tolerance : float
-        Start value of the tolerance.
-    *others : Variable
-        Further parameters, such as the name of a table file.
-    relations : tuple of Relation
-        Checked before each start.
-    step_size, stop_time : float
-        The default experiment [s].
+    Takes step_size, stop_time [s].
     """
     declared = {v.name: v for system in systems for v in system.variables}
     inputs, outputs, parameters = (

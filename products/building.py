@@ -95,13 +95,7 @@ def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> P
 
 
 def copy_fmu(name: str, kind: str, out: Path) -> Path:
-    """Write one native FMU for this platform as OUT/KIND/Model.fmu, a copy of that in the cache, built if missing.
-
-    Raises
-    ------
-    CompilerError, OSError
-        If it cannot be built or written.
-    """
+    """Write one native FMU for this platform as OUT/KIND/Model.fmu, a copy of that in the cache, built if missing."""
     path = fmu_path(name, kind, out)
     with writing(path.parent, "choose another folder with --out"):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -148,17 +142,7 @@ def whole_kernel(name: str) -> Path | None:
 
 
 def kernel_at(name: str, place: int, before: Callable[[], None] | None = None) -> Path:
-    """Return the path of the library of one of a vehicle's systems, compiled if missing.
-
-    Parameters
-    ----------
-    name : str
-        FMU of the registry.
-    place : int
-        Number of the system (`one_level.place_of`).
-    before : Callable or None
-        Called before equations are written and compiled, if the library is missing.
-    """
+    """Return the path of the library of one of a vehicle's systems, compiled if missing."""
 
     def built() -> Path:
         if before:
@@ -248,24 +232,7 @@ def build_protection(
 
 
 def build_controller(text: str, out: Path, wheelsets: int, kind: str = "native") -> list[str]:
-    """Build the FMU of a controller; return the problems that fmpy finds.
-
-    Parameters
-    ----------
-    text : str
-        FILE.py:CLASS or FILE.c.
-    out : Path
-        Folder of the FMUs.
-    wheelsets : int
-        Number of wheelsets that it protects.
-    kind : str
-        "native" or "fmi3", of a controller in C.
-
-    Raises
-    ------
-    BadInputError
-        If the controller does not become an FMU.
-    """
+    """Build the FMU of a controller; return the problems that fmpy finds."""
     begin = time.perf_counter()
     try:
         path = _controller(text, out, wheelsets, kind)

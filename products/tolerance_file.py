@@ -29,20 +29,7 @@ TABLE = "tolerances"
 def read_tolerances(path: str | Path) -> Tolerances:
     """Return the tolerances of a file.
 
-    Parameters
-    ----------
-    path : str or Path
-        A TOML file with the table [tolerances]; other tables are refused.
-
-    Returns
-    -------
-    Tolerances
-        Entries that the file does not have are 0.
-
-    Raises
-    ------
-    BadInputError
-        If the file cannot be read, or an entry is unknown, has no unit or is outside its limits.
+    Takes path [tolerances].
     """
     path = path_of(path)
     try:

@@ -108,23 +108,7 @@ def brake_of_sheet(
 ) -> SheetBrake:
     """Return the brake of each wheelset from the table [brake] of a file.
 
-    Parameters
-    ----------
-    table : mapping
-        The entries.
-    turning_mass : float
-        Mass with that of rotating wheelsets [kg].
-    axles : int
-        Number of braked wheelsets.
-    radius : float
-        Radius of the wheels [m].
-    resistance : sequence of float
-        Running resistance a + b v + c v^2 of the vehicle, which belongs to a brake weight percentage [SI].
-
-    Raises
-    ------
-    ValueError
-        If an entry is missing, stated twice, without effect or outside its limits.
+    Takes turning_mass [kg], radius [m], resistance [SI].
     """
     acts_on = choice_of(("treads", "discs"), table.get("acts_on", "treads"), "[brake] acts_on", "Choose one.")
     given = {
@@ -239,16 +223,7 @@ def friction_at_rest(mean: float, slower: float, mass: float, disc: DiscParamete
     The stop is one from ASSESSED without build-up. Friction falls with speed and with the heat of the disc, which grows
     with the energy of the stop and is not cooled (`brake_controller/discs.py`): S = integral of v dv / a(v).
 
-    Parameters
-    ----------
-    mean : float
-        Mean friction over the distance.
-    slower : float
-        Sliding speed of the pads over the speed of the vehicle.
-    mass : float
-        Mass with that of rotating wheelsets on one wheelset [kg].
-    disc : DiscParameters
-        The discs of a wheelset.
+    Takes mass [kg].
     """
     speed = np.linspace(0.0, ASSESSED, 2001)
     heat = disc.disc_heat_share * mass / 2 * (ASSESSED**2 - speed**2)

@@ -86,22 +86,7 @@ def parameter_entry(item: Field[Any]) -> Entry:
 
 
 def number_of(entry: Entry, value: Any, name: str) -> float:
-    """Return a number of a file in SI units.
-
-    Parameters
-    ----------
-    entry : Entry
-        Its unit and limits.
-    value : number or str
-        A number in the unit of the entry, or a text with a unit that converts, such as "44 t".
-    name : str
-        The entry in messages.
-
-    Raises
-    ------
-    ValueError
-        If it is not a number in such a unit, or outside the limits.
-    """
+    """Return a number of a file in SI units."""
     found: float | None = None
     if isinstance(value, str):
         found = number_in(value, entry.unit)

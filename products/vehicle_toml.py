@@ -30,13 +30,7 @@ def export_vehicle(name: str, path: str | Path) -> Path:
 
 
 def built_in_sheet(name: str) -> DataSheet:
-    """Return a built-in vehicle as the content of a file, without a brake.
-
-    Parameters
-    ----------
-    name : str
-        A key of LIKE.
-    """
+    """Return a built-in vehicle as the content of a file, without a brake."""
     parameters = LIKE[name][1]()
     axles = 4 if isinstance(parameters, VehicleParameters) else 2
     return DataSheet(name, name, axles, parameters, {}, None, {})
@@ -94,11 +88,6 @@ def write_vehicle(sheet: DataSheet, path: str | Path) -> Path:
     """Write a vehicle as a TOML file: parameters, brake, resistance, tables of forces, path of its contact table.
 
     Reading it gives the same vehicle. Values that were assumed are then stated.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
     """
     path = Path(path)
     write_whole(path, toml_of_sheet(sheet).encode())

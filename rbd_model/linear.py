@@ -76,17 +76,7 @@ def oscillations(system: System, jacobian: np.ndarray) -> list[Mode]:
 def critical_speed(growth: Callable[[float], float], low: float, high: float) -> float:
     """Return the speed [m/s] at which `growth(speed)` [1/s] becomes positive, to 1e-6 m/s; section 4.4.
 
-    Parameters
-    ----------
-    growth : callable
-        Rate of growth [1/s] by speed [m/s].
-    low, high : float
-        Limits of the search [m/s].
-
-    Raises
-    ------
-    ValueError
-        If the growth does not change its sign between the limits.
+    Takes growth [1/s], low, high [m/s].
     """
     if growth(low) * growth(high) > 0.0:
         raise ValueError(f"The motion is as stable at {low} m/s as at {high} m/s; search for it in another range.")

@@ -99,22 +99,7 @@ def quantity(
 ) -> Callable[[str], float]:
     """Return the reader of an option's value: a number in `unit`, or with a unit that converts to it.
 
-    Parameters
-    ----------
-    name : str
-        The option in messages.
-    unit : str
-        Unit of the result, and of a number without a unit; "1" for a pure number.
-    least, most : float
-        Limits [unit].
-    above : bool
-        The value must be above `least`, not equal to it.
-
-    Returns
-    -------
-    Callable
-        Function of a string that returns a number [unit]. It raises `argparse.ArgumentTypeError` with one message. A
-        speed above the usual ones without a unit is reported on standard error.
+    Takes least, most [unit]; returns [unit].
     """
 
     def read(text: str) -> float:
@@ -180,13 +165,7 @@ def _units(unit: str) -> str:
 
 
 def check_out(out: Path, *given: Path, picture: bool = False) -> None:
-    """Refuse to write over a file that is read, or over the picture beside the file.
-
-    Raises
-    ------
-    BadInputError
-        If `--out` is one of the given files, or ends in .png although a picture is written beside it.
-    """
+    """Refuse to write over a file that is read, or over the picture beside the file."""
     if any(out.resolve() == one.resolve() for one in given):
         raise BadInputError(f"--out must be another file than FILE; got {out} twice. Name another.")
     if picture and out.suffix.lower() == ".png":
@@ -194,13 +173,7 @@ def check_out(out: Path, *given: Path, picture: bool = False) -> None:
 
 
 def check_folder(folder: Path, option: str = "--out") -> None:
-    """Refuse a folder that cannot be written, before the work for it starts. The check leaves nothing behind.
-
-    Raises
-    ------
-    BadInputError
-        If it is a file, or if it or its nearest existing parent cannot be written.
-    """
+    """Refuse a folder that cannot be written, before the work for it starts. The check leaves nothing behind."""
     places = (folder.absolute(), *folder.absolute().parents)
     remedy = f"Choose another folder with {option}."
     try:

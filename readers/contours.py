@@ -87,13 +87,7 @@ def refusal(source: str, row: int, text: str) -> TableError:
 
 
 def read_points(body: Body) -> tuple[Points, NDArray[np.int64], list[str]]:
-    """Return the points y, z [mm] of a body, their rows, and notes.
-
-    Raises
-    ------
-    TableError
-        If the body is not a table of points, or its number of points is not that of the header.
-    """
+    """Return the points y, z [mm] of a body, their rows, and notes."""
     if len(body.rows) < FEWEST_POINTS:
         count = sum(separator_of_numbers([row]) is not None for _, row in body.rows)
         raise TableError(
@@ -178,13 +172,7 @@ ANGLE_ERROR = 0.02
 
 
 def _check_others(body: Body, numbers: Mapping[str, Points], points: Points, places: NDArray[np.int64]) -> list[str]:
-    """Check that unnamed columns behind y and z are constant or the contour's angle, and return a note for each.
-
-    Raises
-    ------
-    TableError
-        If the third column is neither: the file may then hold x, y and z, or two profiles.
-    """
+    """Check that unnamed columns behind y and z are constant or the contour's angle, and return a note for each."""
     notes: list[str] = []
     for name, values in numbers.items():
         if not name.startswith("column ") or (name != "column 3" and notes):
@@ -216,13 +204,7 @@ def is_angle(points: Points, values: Points) -> bool:
 
 
 def check_one_contour(source: str, points: Points, places: NDArray[np.int64]) -> None:
-    """Check that points [mm] run from one side of one contour to its other side.
-
-    Raises
-    ------
-    TableError
-        If they do not; the message names the row.
-    """
+    """Check that points [mm] run from one side of one contour to its other side."""
     y = points[:, 0]
     breadth = float(np.ptp(y))
     if not LEAST_BREADTH <= breadth <= LARGEST_BREADTH:
@@ -251,13 +233,7 @@ def check_one_contour(source: str, points: Points, places: NDArray[np.int64]) ->
 
 
 def check_without_effect(source: str, row: int, key: str, value: str) -> None:
-    """Refuse an unknown key whose name says that it changes the points, unless its value changes nothing.
-
-    Raises
-    ------
-    TableError
-        If the value is not neutral.
-    """
+    """Refuse an unknown key whose name says that it changes the points, unless its value changes nothing."""
     tidy = re.sub(r"[^a-z]", "", key.lower())
     if CHANGES.search(tidy) and not _neutral(value, tidy):
         nothing = "1" if FACTORS.search(tidy) else "0"
@@ -275,13 +251,7 @@ def _neutral(value: str, key: str) -> bool:
 
 
 def unit_of(source: str, row: int, key: str, value: str) -> tuple[float, float]:
-    """Return the factor of a unit of length to mm, as a fraction.
-
-    Raises
-    ------
-    TableError
-        If the unit is unknown.
-    """
+    """Return the factor of a unit of length to mm, as a fraction."""
     found = factor(value, "mm")
     if found is None:
         units = ", ".join(different_units("mm"))

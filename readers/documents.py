@@ -20,15 +20,7 @@ LARGEST_INTEGER = 2**53
 
 
 def read_document(path: Path, what: str = "") -> Any:
-    """Return the content of a JSON file; `what` is its name in messages, by default its path.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be opened.
-    FileError
-        If it is not JSON within the limits.
-    """
+    """Return the content of a JSON file; `what` is its name in messages, by default its path."""
     what = what or str(path)
     if path.exists() and not path.is_file():  # reading a pipe would not end
         raise FileError(f"{what} must be a file; got a folder or a device.")

@@ -269,13 +269,7 @@ def _diameter(place: str, rule: Mapping[str, Any]) -> float | None:
 
 
 def factor_of(one: Found, unit: str, place: str) -> tuple[float, float] | None:
-    """Return the factor of a wheel's column to a variable's unit by its diameter; None if the units need none.
-
-    Raises
-    ------
-    TableError
-        If the diameter is missing.
-    """
+    """Return the factor of a wheel's column to a variable's unit by its diameter; None if the units need none."""
     pair = {quantity_of(one.unit), quantity_of(unit)}
     if pair != {"speed", "angular velocity"}:
         return None

@@ -70,11 +70,6 @@ def in_order(log: Log) -> Log:
 
     Rows of one time with other values are an event of a simulation (super-dense time, FMI 2.0, section 3.1): the first
     holds until there, the last from there on.
-
-    Raises
-    ------
-    TableError
-        If there are fewer than two rows, or the time does not grow.
     """
     timed = np.isfinite(log.numbers["time"])
     if not np.all(timed):
@@ -119,10 +114,7 @@ def events_apart(time: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArra
 
     The first and the last row of a time are kept, the first EVENT earlier. At the begin the last alone is kept.
 
-    Parameters
-    ----------
-    time : array, shape (rows,)
-        Times that do not fall [s].
+    Takes time [s] (rows,).
     """
     same = np.diff(time) == 0.0
     first, last = ~np.append(False, same), ~np.append(same, False)
@@ -212,19 +204,7 @@ def filled(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return times and values of an input without its missing values.
 
-    Parameters
-    ----------
-    clock, values : array, shape (rows,)
-        Times [s] and values; NaN: none.
-    name : str
-        Name of the input, for messages.
-    longest : float, optional
-        Longest bridged gap [s]; by default ten median steps, and at least 2 s.
-
-    Raises
-    ------
-    TableError
-        If a gap is longer, or there are fewer than two values.
+    Takes clock, values [s] (rows,), longest [s].
     """
     there = np.isfinite(values)
     times = clock[there]
@@ -246,17 +226,7 @@ def filled(
 def averaged(rows: NDArray[np.float64], interval: float) -> NDArray[np.float64]:
     """Return means of rows over intervals from the first row on.
 
-    Parameters
-    ----------
-    rows : array, shape (rows, columns)
-        Times [s] in the first column; NaN: no value.
-    interval : float
-        [s]
-
-    Returns
-    -------
-    array, shape (intervals with rows, columns)
-        Means of times and of the values that there are.
+    Takes rows [s] (rows, columns), interval [s].
     """
     bins = np.floor((rows[:, 0] - rows[0, 0]) / interval + ROUNDING).astype(np.int64)
     starts = np.flatnonzero(np.concatenate([[True], np.diff(bins) > 0]))

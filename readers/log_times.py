@@ -51,23 +51,7 @@ class Times:
 
 
 def times_of(cells: Sequence[str], unit: str, numbers: Callable[[], NDArray[np.float64]], place: Place) -> Times:
-    """Return the times of a column.
-
-    Parameters
-    ----------
-    cells : sequence of str
-        Cells of the column, "" for none.
-    unit : str
-        Unit in the file, "" for none.
-    numbers : callable
-        Reads the cells as numbers in seconds, by the unit.
-    place : Place
-
-    Raises
-    ------
-    TableError
-        If a cell is not a time, or another kind of time than the first.
-    """
+    """Return the times of a column."""
     first = next((cell for cell in cells if cell), "")
     if number_in(first):
         scale = _since_1970(first, unit)

@@ -51,25 +51,7 @@ def read_log(
 ) -> Log:
     """Read a log.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-    variables : mapping of str to str
-        Units of the variables that it may have, by name; `time` [s] is always among them.
-    columns : mapping, str or Path, optional
-        A map of names (`log_columns.py`), or its TOML file.
-    others : bool
-        Whether other columns of numbers are kept, in the units of the file.
-    by_position : sequence of str
-        Names of the columns in their order, for a file without names or with none that is known.
-
-    Raises
-    ------
-    TableError
-        If it cannot be read as it is meant; the message names file, row, column, value and remedy.
-    FileError
-        If a file is not readable as text.
+    Takes variables [s].
     """
     source, variables = str(path), {"time": "s"} | dict(variables)
     heads, begin, names_at = _heads(begin_of(text_of(path), source), by_position)

@@ -43,10 +43,7 @@ def outliers(points: Points) -> list[tuple[int, float]]:
     first and last point are outliers if they lie further off than the limit, as are all points between that do. The
     limit grows with the distances of the neighbours from the same curve, so that corners and steps pass.
 
-    Parameters
-    ----------
-    points : array, shape (points, 2)
-        y and z [mm], from one side of the contour to the other.
+    Takes points [mm] (points, 2).
     """
     kept = np.arange(len(points))
     found: dict[int, float] = {}

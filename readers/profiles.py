@@ -29,22 +29,7 @@ PART = re.compile(r"(.+)#(\d{1,4})")
 
 
 def read_contour(path: str | Path, kind: str = "", drop_outliers: bool = False) -> Contour:
-    """Read the points of a profile.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file. If it holds several profiles, `#2` behind the name chooses the second.
-    kind : str
-        "wheel" or "rail"; by default that of the header or of the name's ending.
-    drop_outliers : bool
-        Whether points that lie off the contour are left out and noted. By default they are refused.
-
-    Raises
-    ------
-    FileError
-        If it is not the contour of one profile; the message names file, row, value and remedy.
-    """
+    """Read the points of a profile."""
     name, part = str(path), None
     if not Path(path).exists() and (found := PART.fullmatch(name)) and Path(found[1]).exists():
         name, part = found[1], int(found[2])
@@ -55,24 +40,7 @@ def read_contour(path: str | Path, kind: str = "", drop_outliers: bool = False) 
 def contour_of(
     text: str, source: str, kind: str = "", ending: str = "", part: int | None = None, drop_outliers: bool = False
 ) -> Contour:
-    """Read the points of a profile from a file's text, as `read_contour` does.
-
-    Parameters
-    ----------
-    text, source : str
-        The text, and its name in messages.
-    kind, ending : str
-        The kind that is required, and that of the name's ending, which holds if the header has none.
-    part : int, optional
-        Number of the profile in a file of several.
-    drop_outliers : bool
-        As `read_contour`.
-
-    Raises
-    ------
-    FileError
-        As `read_contour`.
-    """
+    """Read the points of a profile from a file's text, as `read_contour` does."""
     rows = list(rows_of(text, source))
     if kind and ending not in ("", kind) and not simpack.is_simpack(rows):
         raise other_kind(source, kind, ending, f"its name ends in {Path(source).suffix}")
@@ -98,13 +66,7 @@ def contour_of(
 
 
 def _without_outliers(contour: Contour, drop: bool) -> Contour:
-    """Return a contour without outliers if they are to be dropped.
-
-    Raises
-    ------
-    TableError
-        If there are some, and they are not to be dropped.
-    """
+    """Return a contour without outliers if they are to be dropped."""
     found = outliers(1e3 * contour.points)
     if not found:
         return contour

@@ -33,15 +33,7 @@ RENAMED = {
 
 
 def present_name(old: str, known: Container[str]) -> str | None:
-    """Return the present name of a variable, option or scenario by its old one, or None.
-
-    Parameters
-    ----------
-    old : str
-        The old name; with hyphens if it is an option (`--teeth`) or a scenario.
-    known : container of str
-        The names that exist. Another one is not returned.
-    """
+    """Return the present name of a variable, option or scenario by its old one, or None."""
     bare = old.lstrip("-")
     new = RENAMED.get(bare.replace("-", "_"))
     if new is None:

@@ -128,15 +128,7 @@ def remove_partial(folder: Path, age: float = 0.0) -> None:
 
 
 def hold(file: int, *, wait: bool) -> None:
-    """Lock an open file until it is closed, or its process ends; Windows waits for ten seconds at most.
-
-    Raises
-    ------
-    BlockingIOError
-        If another process has it, without `wait`.
-    OSError
-        If the file system has no locks.
-    """
+    """Lock an open file until it is closed, or its process ends; Windows waits for ten seconds at most."""
     if sys.platform == "win32":
         place = os.lseek(file, 0, os.SEEK_CUR)
         os.lseek(file, LOCKED_BYTE, os.SEEK_SET)

@@ -65,13 +65,7 @@ class Table:
     places: NDArray[np.int64] = field(repr=False)
 
     def converted(self, name: str, unit: str) -> NDArray[np.float64]:
-        """Return a column of numbers in another unit.
-
-        Raises
-        ------
-        TableError
-            If the column has a unit of another quantity, or an unknown one.
-        """
+        """Return a column of numbers in another unit."""
         numerator, denominator = unit_factor(Column(name, unit), self.units[name], self.source)
         return self.numbers[name] * numerator / denominator
 
@@ -80,26 +74,14 @@ class Table:
         return TableError(f"{self.source}, row {self.places[row]}, column {shown(column)}: {text}")
 
     def check_rows(self, least: int = 2) -> None:
-        """Check the number of rows.
-
-        Raises
-        ------
-        TableError
-            If there are fewer.
-        """
+        """Check the number of rows."""
         if self.places.size < least:
             raise TableError(
                 f"{self.source} must have at least {least} rows of values; it has {self.places.size}. Add rows."
             )
 
     def check_growth(self, name: str, least: float = 0.0) -> None:
-        """Check that each value of a column is above the one before, by `least` or more if that is above 0.
-
-        Raises
-        ------
-        TableError
-            If one is not.
-        """
+        """Check that each value of a column is above the one before, by `least` or more if that is above 0."""
         values, unit = self.numbers[name], self.units[name]
         steps = np.diff(values)
         bad = np.flatnonzero(~((steps > 0.0) & (steps >= least)))
@@ -122,29 +104,7 @@ def read_table(
     by_position: bool = False,
     most_rows: int = MOST_ROWS,
 ) -> Table:
-    """Read a table from a file.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-    columns : sequence of Column
-        Allowed columns.
-    others : bool
-        Whether further columns of numbers are kept, each in the unit that its name carries ("1" without one).
-    by_position : bool
-        Whether the row of names may be missing or hold other names: columns then follow in the order of `columns`.
-    most_rows : int
-        Largest number of rows of values.
-
-    Raises
-    ------
-    TableError
-        If a name is unknown, missing or repeated, a unit is unknown, or a value is missing, not a number or out of its
-        limits.
-    FileError
-        If the file is not readable as text.
-    """
+    """Read a table from a file."""
     return table_of(text_of(path), str(path), columns, others=others, by_position=by_position, most_rows=most_rows)
 
 
@@ -193,13 +153,7 @@ class Begin:
 
 
 def begin_of(text: str, source: str) -> Begin:
-    """Return the begin of a table by its text.
-
-    Raises
-    ------
-    TableError
-        If the text has no row with content.
-    """
+    """Return the begin of a table by its text."""
     lines = lines_of(text)
     separator, behind = _form_of(lines, source)
     at, cells = next(Begin(source, lines, separator, behind, ()).rows_behind(), (0, []))
@@ -209,13 +163,7 @@ def begin_of(text: str, source: str) -> Begin:
 
 
 def names_of(path: str | Path) -> list[str]:
-    """Return the names in the first row of a table, in small letters and without units; empty if it has numbers.
-
-    Raises
-    ------
-    FileError
-        If the file is not readable as text.
-    """
+    """Return the names in the first row of a table, in small letters and without units; empty if it has numbers."""
     lines = lines_of(text_of(path))
     separator, behind = _form_of(lines, str(path))
     at, row = next(rows_in(lines, str(path), behind), (0, ""))
@@ -234,13 +182,7 @@ def _form_of(lines: Sequence[str], source: str) -> tuple[str, int]:
 
 
 def cells_of(row: str, separator: str, place: str) -> list[str]:
-    """Return the cells of a row without the blanks around them; place: file and row, for messages.
-
-    Raises
-    ------
-    TableError
-        If quotes do not close.
-    """
+    """Return the cells of a row without the blanks around them; place: file and row, for messages."""
     if separator == BLANKS:
         return [cell for cell in re.split(f"[{BLANK}]+", row) if cell]
     if '"' not in row:

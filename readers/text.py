@@ -58,19 +58,7 @@ def quoted(text: str, longest: int = QUOTED) -> str:
 def text_of(path: str | Path, largest: int = LARGEST, *, unmarked: bool = False) -> str:
     """Return the text of a file.
 
-    Parameters
-    ----------
-    path : str or Path
-        A regular file.
-    largest : int
-        Largest size [bytes].
-    unmarked : bool
-        Whether UTF-16 is recognised without a mark, by zeros in every other byte.
-
-    Raises
-    ------
-    FileError
-        If it is not a regular file, is too large, or is not text.
+    Takes largest [bytes].
     """
     data = _bytes_of(Path(path), largest)
     mark, encoding = next(((mark, name) for mark, name in MARKS if data.startswith(mark)), (b"", "utf-8"))
@@ -128,11 +116,6 @@ def rows_of(text: str, source: str) -> Iterator[tuple[int, str]]:
     """Yield number and text of each row with content, numbered from 1 as in an editor or a spreadsheet.
 
     Empty rows and remarks are ignored.
-
-    Raises
-    ------
-    FileError
-        If a row is longer than LONGEST_ROW.
     """
     return rows_in(lines_of(text), source)
 

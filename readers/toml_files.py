@@ -20,13 +20,7 @@ REMEDY = "Put text, and numbers with a unit, in quotes; write numbers with a dec
 
 
 def toml_of(path: str | Path) -> dict[str, Any]:
-    """Return the content of a TOML file: finite numbers, brackets not too deep.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, or is not TOML within the limits.
-    """
+    """Return the content of a TOML file: finite numbers, brackets not too deep."""
     text = "\n".join(lines_of(text_of(path, LARGEST)))
     try:
         found: dict[str, Any] = _tomllib.loads(text)

@@ -154,19 +154,7 @@ def note(name: str, value: float, unit: str) -> str:
 def likely_unit(value: float, unit: str, least: float, most: float) -> str:
     """Return the end of a message about a doubtful number: the unit in which it is inside limits, and most usual.
 
-    Parameters
-    ----------
-    value : float
-        The number that is outside its limits [unit].
-    unit : str
-        The unit in which it was read.
-    least, most : float
-        Limits [unit].
-
-    Returns
-    -------
-    str
-        A question with a leading space, or no text if no other unit puts the value inside the limits.
+    Takes value [unit], least, most [unit].
     """
     typed = _distance(value, unit, least, most)
     found: list[tuple[float, str]] = []

@@ -62,17 +62,7 @@ class _Builder:
 def xml_of(path: str | Path, largest: int = LARGEST) -> ET.Element:
     """Return the root of an XML file, with the names of elements and attributes without their namespaces.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file, in UTF-8, UTF-16 or Windows-1252.
-    largest : int
-        Largest size [bytes].
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, is not XML, has a document type, or exceeds a limit.
+    Takes largest [bytes].
     """
     text = text_of(path, largest)
     builder = _Builder()

@@ -74,13 +74,7 @@ for _tag, _form in NUMBERS.items():
 
 
 def yaml_of(path: str | Path, largest: int = LARGEST) -> Any:
-    """Return the content of a YAML file with one document: finite numbers, each name once, no anchors.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, or is not YAML within the limits.
-    """
+    """Return the content of a YAML file with one document: finite numbers, each name once, no anchors."""
     text = "\n".join(lines_of(text_of(path, largest)))
     try:
         found = yaml.load(text, _Loader)

@@ -142,13 +142,7 @@ if find_spec(f"{__package__}.comparisons"):
 
 
 def find(name: str) -> Scenario:
-    """Return the scenario of this name.
-
-    Raises
-    ------
-    BadInputError
-        If the name is unknown, or if the scenario needs a checkout.
-    """
+    """Return the scenario of this name."""
     by_name = {scenario.name: scenario for scenario in SCENARIOS}
     if name in by_name:
         return by_name[name]

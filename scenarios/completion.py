@@ -15,15 +15,6 @@ def completion(parser: argparse.ArgumentParser, names: Mapping[str, Sequence[str
     """Return the completion script of a shell.
 
     The parser is changed and must not be used afterwards: its error messages would list all names.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The command line, with the options of all commands.
-    names : mapping of str to sequence of str
-        What each command takes as its argument `name`.
-    shell : str
-        Name of the shell.
     """
     parser.prog = COMMAND
     complete(parser, names, "")

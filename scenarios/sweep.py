@@ -57,13 +57,7 @@ def sweepable_text() -> str:
 
 
 def study_of(chosen: argparse.Namespace) -> Study:
-    """Return the study that the command line requests.
-
-    Raises
-    ------
-    BadInputError
-        If the scenario cannot be swept, or if a parameter is invalid.
-    """
+    """Return the study that the command line requests."""
     scenario = catalogue.find(chosen.name)
     sweepable = scenario.sweep
     if sweepable is None:

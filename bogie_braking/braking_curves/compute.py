@@ -94,18 +94,7 @@ class Found:
 
 
 def compute(chosen: argparse.Namespace) -> Found:
-    """Return the limits of the train before the target, and its own stops.
-
-    Parameters
-    ----------
-    chosen : Namespace
-        Options of the command.
-
-    Raises
-    ------
-    BadInputError
-        If a file cannot be read, options contradict each other, or the train cannot brake.
-    """
+    """Return the limits of the train before the target, and its own stops."""
     kind, line, country = _kind(chosen), _line(chosen), _country(chosen)
     data, largest = train_data(chosen, country.M_NVEBCL)
     _check_speeds(chosen, 3.6 * largest)

@@ -53,23 +53,7 @@ class Safety:
 def safety_of(path: Path, consist: Consist, speed: float, build_up: float, level: int) -> Safety:
     """Return the factors of a consist by a file of tolerances.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    consist : Consist
-        The train.
-    speed : float
-        Speed at which forces of vehicles are compared [m/s].
-    build_up : float
-        Nominal T_brake_emergency [s].
-    level : int
-        Confidence level.
-
-    Raises
-    ------
-    BadInputError
-        If the file is invalid or the train has no brakes.
+    Takes speed [m/s], build_up [s].
     """
     tolerances: Tolerances = read_tolerances(path)
     vehicles = braked_vehicles(consist, speed)

@@ -53,20 +53,7 @@ class TrainData:
 
 
 def train_data(chosen: argparse.Namespace, level: int) -> tuple[TrainData, float]:
-    """Return train data of a file, by the brake percentage, or by own stops, and the largest speed [m/s].
-
-    Parameters
-    ----------
-    chosen : Namespace
-        Options of the command.
-    level : int
-        Confidence level of Kdry_rst.
-
-    Raises
-    ------
-    BadInputError
-        If options contradict each other, or the train has no such data.
-    """
+    """Return train data of a file, by the brake percentage, or by own stops, and the largest speed [m/s]."""
     try:
         read = etcs_train_in(chosen.file)
         consist = None if read is not None else consist_from(chosen.file)[0]

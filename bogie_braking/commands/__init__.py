@@ -46,15 +46,7 @@ def module_of(name: str) -> Any:
 
 
 def parser_of(loaded: Collection[str], about: str | None = None) -> argparse.ArgumentParser:
-    """Return the command line.
-
-    Parameters
-    ----------
-    loaded : collection of str
-        Commands that get their options; the others get their help alone, so that their modules are not imported.
-    about : str, optional
-        Description of the program.
-    """
+    """Return the command line."""
     shape = argparse.RawDescriptionHelpFormatter
     parser = CommandLine(prog="bogie-braking", description=about, formatter_class=shape)
     parser.add_argument("--version", action="version", version=f"bogie-braking {__version__}")

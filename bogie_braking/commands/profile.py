@@ -80,13 +80,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def write_table(sides: Sides, path: Path) -> None:
-    """Write the contact table of a pair.
-
-    Raises
-    ------
-    BadInputError
-        If contact model 2 cannot follow the contact, or the wheels leave the rails within the table.
-    """
+    """Write the contact table of a pair."""
     try:
         with np.errstate(invalid="ignore"):
             write_pair(sides, path)
@@ -123,13 +117,7 @@ Limits = dict[str, list[tuple[float, float]]]
 
 
 def patches_by_side(sides: Sides) -> Limits:
-    """Return the limits of each wheel's patches [m], from the field side to the flange.
-
-    Raises
-    ------
-    BadInputError
-        If a wheel bears on no tread, or its contact cannot be followed.
-    """
+    """Return the limits of each wheel's patches [m], from the field side to the flange."""
     found = {}
     for word, side in zip(WORDS, sides.both, strict=True):
         try:

@@ -61,18 +61,7 @@ class Check:
 
 
 def check_of(sheet: DataSheet, with_modes: bool = True, progress: Callable[[str], None] = lambda text: None) -> Check:
-    """Return the numbers of a vehicle file.
-
-    Parameters
-    ----------
-    sheet : DataSheet
-        The vehicle.
-    with_modes : bool
-        Also compute modes and critical speeds, with 2 and 4 axles and without tables of forces; this compiles the
-        equations in 3D.
-    progress : callable
-        Receives a line about each part before it starts.
-    """
+    """Return the numbers of a vehicle file."""
     progress("axle loads at rest")
     loads = axle_loads(sheet)
     modes, hunting = None, None

@@ -102,27 +102,7 @@ class Bench:
 
 
 def check_distributor(kind: Distributor) -> None:
-    """Check a distributor on a bench, in both positions and each form; it need not be registered.
-
-    Parameters
-    ----------
-    kind : Distributor
-        The kind.
-
-    Raises
-    ------
-    ValueError
-        For a fault that registration refuses too, or one in the equations (`Distributor.function`).
-
-        For an answer that is not finite, at random states. For air that flows to a higher pressure, and enthalpy of
-        other air. For a volume that falls below the surroundings.
-
-        For a pace below an eigenvalue of the rates that lasts 0.05 s. Heun's method is stable up to a product of 2 of
-        step and eigenvalue (Hairer and Wanner (1996), IV.2), and steps are up to 2 over the pace.
-
-        For another pressure of the applied cylinder than `full_pressure`, also with another value of it if it is
-        adjustable. For a cylinder that moves while `held`, or stays while `vented`.
-    """
+    """Check a distributor on a bench, in both positions and each form; it need not be registered."""
     check_kind(kind)
     sets = {position: kind.ready(position) for position in POSITIONS}
     for form in dict.fromkeys(kind.brake_models()):

@@ -167,11 +167,6 @@ def with_times(p: UicDistributor, filling: float, release: float) -> UicDistribu
 
     Isothermal, from a charged reservoir that falls as the cylinder fills, through both chokes up to the in-shot:
     t = V / (R T) int dp / G (ISO 6358-1, Boyle). The pipe is taken to fall and rise at once.
-
-    Raises
-    ------
-    ValueError
-        If the reservoir does not reach the cylinder's pressure.
     """
     reached = reached_pressure(p)
     if not reached > p.full_pressure:

@@ -69,11 +69,6 @@ def answer(
     """Register with the rig, answer its packets until the end of the run, and return the number of answers.
 
     report: is called with a message when the run begins.
-
-    Raises
-    ------
-    TimeoutError
-        If the rig stops sending within a run. Exceptions of the controller are raised too.
     """
     given, heard = 0, time.monotonic()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:

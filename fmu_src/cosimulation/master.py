@@ -149,15 +149,7 @@ class Coupling:
     def advance(self, time: float, size: float) -> dict[Connection, tuple[float, float, float, float]]:
         """Make one macro step.
 
-        Parameters
-        ----------
-        time, size : float
-            Start and size of the step [s].
-
-        Returns
-        -------
-        dict of Connection to tuple
-            Both ends of the line of its input, and both of the line of its source.
+        Takes time, size [s].
         """
         begin = {c: c.value() for c in self.connections}
         # Read before any instance steps: a source that went first would otherwise return its rate at the end of the

@@ -18,22 +18,7 @@ from readers.units import factor
 def table_from(
     path: str | Path, variables: Mapping[str, str] | None = None, columns: ColumnMap | None = None
 ) -> Recording:
-    """Return the log of a file; its messages tell what was guessed, converted and left out.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-    variables : mapping of str to str, optional
-        Units of the variables that it may have, by name; other columns are left out. None: other columns are kept.
-    columns : mapping, str or Path, optional
-        A map from its names to those of variables, or its TOML file.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read as it is meant; the message names file, row, column, value and remedy.
-    """
+    """Return the log of a file; its messages tell what was guessed, converted and left out."""
     log = read_log(path, COMMON if variables is None else variables, columns, others=variables is None)
     return Recording(log.units, np.column_stack(list(log.numbers.values())), log.messages)
 

@@ -51,15 +51,7 @@ def description_in(archive: ZipFile) -> ModelDescription:
 
 
 def unpacked(path: Path, folder: Path) -> ModelDescription:
-    """Return the description of an FMU for co-simulation; its resources and its binary for this platform are unpacked.
-
-    Raises
-    ------
-    ArchiveError
-        If the archive is damaged or its binary cannot be loaded.
-    StorageError
-        If the folder cannot be written.
-    """
+    """Return the description of an FMU for co-simulation; unpack its resources and its binary for this platform."""
     with opened(path) as archive:
         about = description_in(archive)
         fault = fault_of_description(about) or fault_of_names(about, archive.namelist())

@@ -70,26 +70,7 @@ def _header() -> str:
 def build_curves_fmu(
     path: Path, version: int = 3, gradients: Gradients | None = None, *, all_platforms: bool = False
 ) -> None:
-    """Write the FMU, for FMI 2 or 3.
-
-    Parameters
-    ----------
-    path : Path
-        The FMU.
-    version : int
-        Version of FMI, 2 or 3.
-    gradients : Gradients or None
-        Gradients of its line. None: the input `gradient` holds at all places.
-    all_platforms : bool
-        True: binaries of all platforms, compiled with zig.
-
-    Raises
-    ------
-    BadInputError
-        If there are too many gradients, or one begins too far away.
-    CompilerError
-        If the compiler is missing or fails.
-    """
+    """Write the FMU, for FMI 2 or 3."""
     _check(gradients)
     given, entries = curves_in_c(), every()
     lengths = [len(entry.starts) for entry in entries]
@@ -118,24 +99,7 @@ def _check(gradients: Gradients | None) -> None:
 
 
 def build_curves(out: Path, kinds: Sequence[str], line: Path | None = None, all_platforms: bool = False) -> list[str]:
-    """Write OUT/KIND/BrakingCurves.fmu; return the problems found by fmpy.
-
-    Parameters
-    ----------
-    out : Path
-        Folder of the FMUs.
-    kinds : sequence of str
-        "native" is FMI 2.0, "fmi3" is FMI 3.0.
-    line : Path or None
-        File of the line with the gradients.
-    all_platforms : bool
-        True: binaries of all platforms.
-
-    Raises
-    ------
-    OSError, ValueError, CompilerError
-        If a file cannot be read or written, is not a line, or the compiler is missing or fails.
-    """
+    """Write OUT/KIND/BrakingCurves.fmu; return the problems found by fmpy."""
     problems, gradients = [], gradients_of(line_from_file(line)) if line else None
     for kind in kinds:
         begin, path = time.perf_counter(), out / kind / f"{NAME}.fmu"

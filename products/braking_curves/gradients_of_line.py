@@ -10,23 +10,7 @@ from readers.text import BadInputError
 
 
 def gradients_of(line: Line) -> Gradients:
-    """Return the gradients of a line as ETCS has them: between rows the lower one of both, then the last [permille].
-
-    Parameters
-    ----------
-    line : Line
-        The line.
-
-    Returns
-    -------
-    Gradients
-        Steps with their starts.
-
-    Raises
-    ------
-    BadInputError
-        If a gradient is steeper than 255 permille.
-    """
+    """Return the gradients of a line as ETCS has them: between rows the lower one of both, then the last [permille]."""
     places = np.asarray(line.rows["distance"], dtype=float)
     values = 1e3 * np.asarray(line.rows.get("gradient", np.zeros(places.size)), dtype=float)
     if np.max(np.abs(values)) > STEEPEST:

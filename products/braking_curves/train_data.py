@@ -22,27 +22,7 @@ def fmu_parameters(
     *,
     version: int = 2,
 ) -> dict[str, float | list[float]]:
-    """Return the parameters of BrakingCurves.fmu for one train.
-
-    Parameters
-    ----------
-    train : SupervisedTrain
-        One train.
-    national, fixed : NationalValues, FixedValues or None
-        Values of the country and of the baseline; None: the defaults.
-    version : int
-        2: an entry for each element of an array, such as `Kdry_rst[1]`. 3: an entry for each array.
-
-    Returns
-    -------
-    dict of str to float or list
-        Values by the names of the FMU, in SI units.
-
-    Raises
-    ------
-    BadInputError
-        If the FMU has no parameter for a value, or Kdry_rst is that of another confidence level.
-    """
+    """Return the parameters of BrakingCurves.fmu for one train."""
     if not isinstance(version, int) or version not in (2, 3):
         raise BadInputError(f"version must be 2 or 3, that of FMI; got {shown(version)}.")
     check_train(train)

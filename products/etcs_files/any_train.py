@@ -11,23 +11,7 @@ from readers.text import text_of
 
 
 def etcs_train_in(path: Path) -> EtcsTrain | None:
-    """Return the train data in a file.
-
-    Parameters
-    ----------
-    path : Path
-        Any file.
-
-    Returns
-    -------
-    EtcsTrain or None
-        Of a file of train data, or of an OSRD rolling stock with an ETCS brake; None for other files.
-
-    Raises
-    ------
-    FileError
-        If such a file has a fault.
-    """
+    """Return the train data in a file."""
     if path.suffix.lower() != ".json":
         return None
     read = document(text_of(path, LARGEST).encode(), str(path))

@@ -43,23 +43,7 @@ NAMES = (*NUMBERS, *SWITCHES, *INTERVALS, *STARTS, *ADHESION)
 def read_national(path: str | Path) -> NationalValues:
     """Return the national values in a file; a variable that it does not have keeps its default.
 
-    Parameters
-    ----------
-    path : str or Path
-        A TOML file with variables of packet 3: `M_NVEBCL = 7`, `A_NVP12 = "0.9 m/s2"`, `Q_NVGUIPERM = true`. Factors
-        by speed or length are lists, `M_NVKVINT = [0.7, 0.8]` with the starts of their intervals, the first at 0,
-        `V_NVKVINT = ["0 km/h", "120 km/h"]`. `M_NVKVINT_b` are those of passenger trains that brake with A_NVP23 or
-        more. A number without a unit is in km/h, m or m/s2.
-
-    Returns
-    -------
-    NationalValues
-        The values.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, a name is unknown, or a value is outside the limits of its variable.
+    Takes path [0.7, 0.8].
     """
     path = path_of(path)
     read = toml_of(path)

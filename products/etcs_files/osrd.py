@@ -29,24 +29,7 @@ WARNED = 2.0
 
 
 def read_osrd_train(path: str | Path) -> SupervisedTrain:
-    """Return the ETCS train data of an OSRD rolling stock.
-
-    Parameters
-    ----------
-    path : str or Path
-        A rolling stock (JSON) with `etcs_brake_params`.
-
-    Returns
-    -------
-    SupervisedTrain
-        The train. The on-board unit commands the service brake and cuts off traction, as in OSRD. The rotating mass is
-        not known.
-
-    Raises
-    ------
-    FileError
-        If the file has no ETCS brake, or its numbers are outside their limits.
-    """
+    """Return the ETCS train data of an OSRD rolling stock."""
     path = path_of(path)
     found = osrd_train_of(document(text_of(path, LARGEST).encode(), str(path)), str(path))
     if found is None:
@@ -89,21 +72,7 @@ def osrd_train_of(read: Any, source: str) -> SupervisedTrain | None:
 def osrd_document(train: SupervisedTrain) -> dict[str, Any]:
     """Return length and `etcs_brake_params` of a train, to be put into a rolling stock of OSRD.
 
-    Parameters
-    ----------
-    train : SupervisedTrain
-        One train by decelerations. OSRD has one Kdry_rst, that of the confidence level in use.
-
-    Returns
-    -------
-    dict
-        `length` [m] and `etcs_brake_params`. Without a normal service brake the full service brake takes its place: the
-        guidance curve is then nowhere the lowest limit.
-
-    Raises
-    ------
-    BadInputError
-        If the train is given by its percentage, has no service brake command, or there are several.
+    Returns [m].
     """
     check_train(train)
     if train.position is not None:

@@ -79,23 +79,7 @@ class EtcsTrain:
         _check_others(self.dry_by_level, self.name)
 
     def at_level(self, level: int) -> SupervisedTrain:
-        """Return the train at a confidence level (M_NVEBCL).
-
-        Parameters
-        ----------
-        level : int
-            The level, 0 to 9.
-
-        Returns
-        -------
-        SupervisedTrain
-            With Kdry_rst of the level, if the file states it by level.
-
-        Raises
-        ------
-        BadInputError
-            If the file states one Kdry_rst, of another level.
-        """
+        """Return the train at a confidence level (M_NVEBCL)."""
         number = checked_level("The confidence level", level)
         if self.dry_by_level:
             return replace(self.train, Kdry_rst=self.dry_by_level[number], level=number)
@@ -104,27 +88,7 @@ class EtcsTrain:
 
 
 def train_document(train: SupervisedTrain, dry_by_level: Sequence[Steps] = (), name: str = "") -> dict[str, Any]:
-    """Return train data as a JSON document.
-
-    Parameters
-    ----------
-    train : SupervisedTrain
-        One train.
-    dry_by_level : sequence of Steps
-        Kdry_rst of the confidence levels 0 to 9; empty: that of the train.
-    name : str
-        Name of the train.
-
-    Returns
-    -------
-    dict
-        Values by the names of the standard.
-
-    Raises
-    ------
-    BadInputError
-        If there are several trains, or a brake position without the percentage that belongs to it.
-    """
+    """Return train data as a JSON document."""
     check_train(train)
     _check_others(dry_by_level, name)
     if np.ndim(train.length) or train.A_brake_emergency.values.ndim > 1:
@@ -160,45 +124,14 @@ def _check_others(dry_by_level: Sequence[Steps], name: str) -> None:
 
 
 def write_train(path: str | Path, train: SupervisedTrain, dry_by_level: Sequence[Steps] = (), name: str = "") -> None:
-    """Write train data as JSON; `read_train` gives the same train.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-    train, dry_by_level, name
-        See `train_document`.
-
-    Raises
-    ------
-    BadInputError
-        See `train_document`.
-    StorageError
-        If the file cannot be written.
-    """
+    """Write train data as JSON; `read_train` gives the same train."""
     write_whole(path_of(path), document_text(train_document(train, dry_by_level, name)).encode())
 
 
 def read_train(path: str | Path) -> EtcsTrain:
     """Return the train in a file of train data.
 
-    Parameters
-    ----------
-    path : str or Path
-        A JSON file of `write_train`, or written by hand: each number is `{"value": 2.4, "unit": "s"}`, a step function
-        `{"boundaries": {"value": [100, 160], "unit": "km/h"}, "values": {"value": [1.1, 1.0, 0.9], "unit": "m/s2"}}`.
-        Kdry_rst is one step function, or a list of ten for the confidence levels 0 to 9. M_NVEBCL is the level of the
-        one, if it is known.
-
-    Returns
-    -------
-    EtcsTrain
-        The train.
-
-    Raises
-    ------
-    FileError
-        If the file is no such document, a name is unknown, or a number is missing or outside its limits.
+    Takes path [100, 160].
     """
     path = path_of(path)
     return train_of(document(text_of(path, LARGEST).encode(), str(path)), str(path))

@@ -66,26 +66,12 @@ class Criterion:
 
 
 def read_criteria(path: Path) -> list[Criterion]:
-    """Return the criteria of a file.
-
-    Raises
-    ------
-    ValueError
-        If the file is invalid; the message names the file and the criterion.
-    OSError
-        If the file cannot be read.
-    """
+    """Return the criteria of a file."""
     return named_tables(path, "criterion", "limit", KNOWN, _criterion)
 
 
 def check_scopes(criteria: Sequence[Criterion], cases: Sequence[Case]) -> None:
-    """Check that each criterion applies to a case, and that each group and case that it names exists.
-
-    Raises
-    ------
-    ValueError
-        If one does not: a report would accept without having tested it.
-    """
+    """Check that each criterion applies to a case, and that each group and case that it names exists."""
     groups, names = dict.fromkeys(case.group for case in cases if case.group), [case.name for case in cases]
     for one in criteria:
         for kind, wanted, known in (("group", one.groups, list(groups)), ("case", one.cases, names)):

@@ -78,22 +78,7 @@ class Encoder:
     def angular_velocity(self, time: float, rotation: float) -> float:
         """Return the reading at a time.
 
-        Parameters
-        ----------
-        time : float
-            The time [s].
-        rotation : float
-            Rotation of the wheel [rad].
-
-        Returns
-        -------
-        float
-            Angular velocity [rad/s], at least 0.
-
-        Raises
-        ------
-        ValueError
-            If the time or the rotation is not finite.
+        Takes time [s], rotation [rad]; returns [rad/s].
         """
         for name, value, unit in (("time", time, "s"), ("rotation", rotation, "rad")):
             if not math.isfinite(value):

@@ -86,15 +86,7 @@ class Environment:
         return len(self.runs)
 
     def begin(self, rows: Sequence[int], randoms: Sequence[np.random.Generator]) -> None:
-        """Begin stops in these rows, each drawn with its own random numbers.
-
-        Raises
-        ------
-        TypeError
-            If a draw is not a `Run`.
-        ValueError, SimulationError
-            If a draw is invalid.
-        """
+        """Begin stops in these rows, each drawn with its own random numbers."""
         drawn = {row: self._drawn(random) for row, random in zip(rows, randoms, strict=True)}
         beginnings = {row: self._rig.beginning(run) for row, run in drawn.items()}
         for row, run in drawn.items():

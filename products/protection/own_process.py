@@ -99,22 +99,6 @@ def runs_apart(order: Order, runs: Sequence[Run], limits: Limits | None = None) 
     At first all run together. If the process ends or takes too long, they are repeated one by one. Runs in which it
     fails again have no distance, and a message with the reason; their other results are those of brakes that stay
     applied. They are not evaluated if the process used little processor time.
-
-    Parameters
-    ----------
-    order : Order
-        Arguments of the rig.
-    runs : sequence of Run
-        Stops to run.
-    limits : Limits, optional
-        Time limits of the process.
-
-    Raises
-    ------
-    NoControllerError
-        If the controller is invalid.
-    SimulationError
-        If the simulation fails.
     """
     limits = limits or Limits()
     together, died = _made(order, runs, limits, alone=False)
@@ -157,17 +141,7 @@ def _made(order: Order, runs: Sequence[Run], limits: Limits, alone: bool) -> tup
 
 
 def called_apart(function: Callable[..., Result], *arguments: object) -> Result:
-    """Call a function in a separate process and return its result.
-
-    Raises
-    ------
-    EndedError
-        If the process ends or takes too long.
-    NoControllerError
-        If the controller is invalid.
-    SimulationError
-        If anything else fails.
-    """
+    """Call a function in a separate process and return its result."""
     limits = Limits(LONGEST_CALL, LONGEST_WAIT, LONGEST_WAIT)
     *_, found = _heard(_call, (function, arguments), limits)
     return cast(Result, found)

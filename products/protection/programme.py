@@ -113,15 +113,7 @@ def speed_of(text: str | float) -> float:
 
 
 def read_programme(path: Path) -> list[Case]:
-    """Return the cases of a file.
-
-    Raises
-    ------
-    ValueError
-        If the file is invalid; the message names the file and the case.
-    OSError
-        If the file cannot be read.
-    """
+    """Return the cases of a file."""
     cases = named_tables(path, "case", "stop", KNOWN, lambda table: _case(table, path.parent))
     driven = [case.name for case in cases if TRACTION in case.equipment]
     if driven and len(driven) < len(cases):
@@ -132,28 +124,7 @@ def read_programme(path: Path) -> list[Case]:
 def named_tables(
     path: Path, word: str, what: str, known: Sequence[str], read_one: Callable[[Mapping[str, Any]], Named]
 ) -> list[Named]:
-    """Return the objects that the tables [[word]] of a file describe; their names must differ.
-
-    Parameters
-    ----------
-    path : Path
-        TOML file.
-    word : str
-        Name of the tables, as "case".
-    what : str
-        Noun for the object of a table, in messages.
-    known : sequence of str
-        Keys that a table may have.
-    read_one : callable
-        Returns the object of a table. Raises ValueError, TypeError.
-
-    Raises
-    ------
-    ValueError
-        If the file is invalid; the message names the file and the table.
-    OSError
-        If the file cannot be read.
-    """
+    """Return the objects that the tables [[word]] of a file describe; their names must differ."""
     read = toml_of(path)
     if not isinstance(read.get(word), list) or not read[word]:
         raise ValueError(f"{path} has no [[{word}]]; give it one for each {what}.")

@@ -156,24 +156,7 @@ class Rig:
     def runs(self, runs: Sequence[Run], goes_on: Callable[[], None] = lambda: None, every: float = 0.0) -> list[Stop]:
         """Run the stops, each with its own equipment in addition to that of the rig, and on its own line.
 
-        Parameters
-        ----------
-        runs : sequence of Run
-            Stops to run.
-        goes_on : callable
-            Called regularly during the runs.
-        every : float
-            Approximate recording interval of the history of a stop [s]; 0: no history.
-
-        Returns
-        -------
-        list of Stop
-            The stops in the order of the runs.
-
-        Raises
-        ------
-        ValueError
-            If the vehicle does not have a value or a wheelset of a run.
+        Takes every [s].
         """
         kinds = [self._kind(run) for run in runs]
         stops: list[Stop | None] = [None] * len(runs)

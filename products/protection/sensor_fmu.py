@@ -61,13 +61,7 @@ def sensor_in_c(wheelsets: int = BOGIE) -> ArraysInC:
 
 
 def build_sensor_fmu(path: Path, wheelsets: int = BOGIE, version: int = 3, *, all_platforms: bool = False) -> None:
-    """Write the FMU of the sensors of all wheelsets, for FMI 2 or 3.
-
-    Raises
-    ------
-    CompilerError
-        If the compiler is missing or fails.
-    """
+    """Write the FMU of the sensors of all wheelsets, for FMI 2 or 3."""
     given = sensor_in_c(wheelsets)
     starts = [[0.0]] * (2 * wheelsets) + [[start] for _, start in parameters()]
     of = Lengths([1] * len(starts), starts, PERIOD, 10.0)
@@ -76,13 +70,7 @@ def build_sensor_fmu(path: Path, wheelsets: int = BOGIE, version: int = 3, *, al
 
 
 def build_sensor(out: Path, kinds: Sequence[str], wheelsets: int = BOGIE, all_platforms: bool = False) -> list[str]:
-    """Write OUT/KIND/WheelSpeedSensor.fmu; return the problems found by fmpy.
-
-    Raises
-    ------
-    OSError, CompilerError
-        If a file cannot be written, or the compiler is missing or fails.
-    """
+    """Write OUT/KIND/WheelSpeedSensor.fmu; return the problems found by fmpy."""
     problems = []
     for kind in kinds:
         begin, path = time.perf_counter(), out / kind / f"{named(NAME, wheelsets)}.fmu"

@@ -71,19 +71,7 @@ def is_friction(name: str) -> bool:
 
 
 def draws_of(case: str, numbers: range, wheelsets: int, spread: Spread, seed: int) -> list[Draw]:
-    """Return draws of a case by their numbers; the same for each controller, and in each longer range.
-
-    Parameters
-    ----------
-    case : str
-        Name of the case.
-    numbers : range
-        Numbers of the draws, from 0.
-    wheelsets : int
-    spread : Spread
-    seed : int
-        Other seeds give independent draws.
-    """
+    """Return draws of a case by their numbers; the same for each controller, and in each longer range."""
     return [_draw(np.random.default_rng([seed, zlib.crc32(case.encode()), n]), wheelsets, spread) for n in numbers]
 
 

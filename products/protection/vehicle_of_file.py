@@ -18,13 +18,7 @@ ENDING = ".toml"
 
 
 def vehicle_of_file(path: Path) -> tuple[Machine, SheetBrake]:
-    """Return the braked vehicle of a file (docs/vehicle_files.md), and its brake.
-
-    Raises
-    ------
-    FileError
-        If the file is invalid, or describes what the rig does not model.
-    """
+    """Return the braked vehicle of a file (docs/vehicle_files.md), and its brake."""
     return machine_of_sheet(read_vehicle(path), str(path))
 
 
@@ -32,18 +26,6 @@ def machine_of_sheet(sheet: DataSheet, path: str = "") -> tuple[Machine, SheetBr
     """Return the braked vehicle of a data sheet, and its brake.
 
     The rig takes from the brake its torque at the full pressure, this pressure and the application time.
-
-    Parameters
-    ----------
-    sheet : DataSheet
-        The vehicle.
-    path : str
-        Its file for messages; empty: its name.
-
-    Raises
-    ------
-    FileError
-        If it describes what the rig does not model.
     """
     path, brake = path or sheet.name, sheet.brake
     if sheet.axles not in FMU_OF_AXLES:

@@ -71,35 +71,7 @@ def kept_outcomes_of(
     restart: bool = False,
     tell: Callable[[Journal], None] = lambda journal: None,
 ) -> tuple[list[Outcome], list[str]]:
-    """Run or resume a study in a folder.
-
-    Parameters
-    ----------
-    study : Study
-        The function and its points.
-    evaluator : context manager
-        Gives the function that runs points; it is entered only if points are left.
-    folder : Path
-        Folder of the log and the table.
-    restart : bool
-        Drop the points of an earlier study.
-    tell : callable
-        Receives the log of an earlier run.
-
-    Returns
-    -------
-    tuple
-        The outcomes in the order of the points, and the files of the table.
-
-    Raises
-    ------
-    BadInputError
-        If the folder holds another study.
-    SweepError
-        If the study cannot continue.
-    KeyboardInterrupt
-        If the user interrupts it; the finished points are kept.
-    """
+    """Run or resume a study in a folder."""
     head = {**study.head, "versions": versions() | {"sources": sources()}}
     with _saying_where_room_is_missing(folder), ExitStack() as held:
         run_points: Evaluator | None = None

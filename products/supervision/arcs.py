@@ -32,15 +32,7 @@ class Arcs:
     def place_at(self, speed: np.ndarray | float) -> np.ndarray:
         """Return the place at which the curve has a speed.
 
-        Parameters
-        ----------
-        speed : ndarray or float
-            Speeds [m/s], shape (..., m), or one speed.
-
-        Returns
-        -------
-        ndarray
-            Places [m], shape (..., m); minus infinity for a speed from which the train cannot brake on these gradients.
+        Takes speed [m/s] (..., m); returns [m] (..., m).
         """
         square = np.atleast_1d(at_least("speed", speed, 0.0, "m/s")) ** 2
         arc = (square[..., :, None] >= self.squares[..., None, :]).sum(axis=-1) - 1
@@ -52,15 +44,7 @@ class Arcs:
     def speed_at(self, place: np.ndarray | float) -> np.ndarray:
         """Return the speed of the curve at a place.
 
-        Parameters
-        ----------
-        place : ndarray or float
-            Places [m], shape (..., m), or one place.
-
-        Returns
-        -------
-        ndarray
-            Speeds [m/s], shape (..., m); 0 behind the end of the curve.
+        Takes place [m] (..., m); returns [m/s] (..., m).
         """
         where = np.atleast_1d(at_least("place", place, -np.inf, "m"))
         arc = (where[..., :, None] <= self.places[..., None, :]).sum(axis=-1) - 1
@@ -82,26 +66,7 @@ def braking_arcs(
 ) -> Arcs:
     """Return the braking curve through a foot, to rest and to all higher speeds.
 
-    Parameters
-    ----------
-    place, speed : ndarray or float
-        The foot [m], [m/s], shape (...).
-    brake : Steps
-        Deceleration without gradient [m/s2].
-    gradients : tuple of ndarray
-        Places at which the acceleration by the gradient changes [m], shape (..., m), and its values [m/s2].
-    eased : Eased or None
-        What normal service subtracts on gradients.
-
-    Returns
-    -------
-    Arcs
-        From rest on.
-
-    Raises
-    ------
-    BadInputError
-        If an argument is of another type or shape, a number is not finite, or a speed is below 0.
+    Takes place, speed [m] (...), brake [m/s2], gradients [m] (..., m).
     """
     of_type("brake", brake, Steps, "Give Steps(boundaries, values).")
     edges, slopes = _slopes_of(gradients)

@@ -14,20 +14,7 @@ T = TypeVar("T")
 
 
 def numbers(name: str, value: object) -> np.ndarray:
-    """Return one number or many as an array.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    value : object
-        The argument.
-
-    Raises
-    ------
-    BadInputError
-        If it is not of numbers, is empty, or has masked entries.
-    """
+    """Return one number or many as an array."""
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         raise BadInputError(f"{name} must not have masked entries; got {shown(value)}. Remove them.")
     try:
@@ -44,21 +31,7 @@ def numbers(name: str, value: object) -> np.ndarray:
 def at_least(name: str, value: object, least: float, unit: str) -> np.ndarray:
     """Return numbers above a limit; they may be infinite, but not NaN.
 
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    value : object
-        The argument.
-    least : float
-        Its limit [unit].
-    unit : str
-        Unit in messages.
-
-    Raises
-    ------
-    BadInputError
-        If it is not of numbers, or one is lower or NaN.
+    Takes least [unit].
     """
     array = numbers(name, value)
     if not np.all(array >= least):
@@ -67,20 +40,7 @@ def at_least(name: str, value: object, least: float, unit: str) -> np.ndarray:
 
 
 def finite(name: str, value: object) -> float:
-    """Return one finite number.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    value : object
-        The argument.
-
-    Raises
-    ------
-    BadInputError
-        If it is none.
-    """
+    """Return one finite number."""
     array = numbers(name, value)
     if array.size != 1 or not np.all(np.isfinite(array)):
         raise BadInputError(f"{name} must be one finite number; got {shown(value)}.")
@@ -102,24 +62,7 @@ def name_among(name: str, value: object, names: Sequence[str]) -> str:
 
 
 def of_type(name: str, value: object, kind: type[T], remedy: str) -> T:
-    """Return an argument of a type.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    value : object
-        The argument.
-    kind : type
-        Its type.
-    remedy : str
-        End of the message.
-
-    Raises
-    ------
-    BadInputError
-        If it is of another type.
-    """
+    """Return an argument of a type."""
     if isinstance(value, kind):
         return value
     raise BadInputError(f"{name} must be of type {kind.__name__}; got {type(value).__name__}. {remedy}")
@@ -140,18 +83,7 @@ def path_of(value: object) -> Path:
 
 
 def check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
-    """Return the common shape of arrays that belong to the same trains.
-
-    Parameters
-    ----------
-    shapes : mapping of str to tuple
-        Leading axes by the name of the argument.
-
-    Raises
-    ------
-    BadInputError
-        If two do not fit together.
-    """
+    """Return the common shape of arrays that belong to the same trains."""
     together: Any = ()
     for name, shape in shapes.items():
         try:

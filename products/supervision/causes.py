@@ -100,47 +100,13 @@ class OneFailure:
 def factors_of(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances) -> Numbers:
     """Return Kdry_rst for the confidence levels 0 to 9.
 
-    Parameters
-    ----------
-    vehicles : sequence of BrakedVehicles
-        All vehicles of the train.
-    tolerances : Tolerances
-        Tolerances and failures.
-
-    Returns
-    -------
-    ndarray
-        Share of the nominal deceleration that is reached with a probability of 50 %, 90 %, ..., 1 - 1e-9, shape (10); 0
-        where no force is.
-
-    Raises
-    ------
-    BadInputError
-        If the train has no brake force, or too many groups.
+    Returns (10).
     """
     return _factors(vehicles, tolerances, np.array(WEAKER))
 
 
 def causes_of(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, level: int = 9) -> list[Cause]:
-    """Return what each cause takes from Kdry_rst at a confidence level, the largest first.
-
-    Parameters
-    ----------
-    vehicles, tolerances
-        As in `factors_of`.
-    level : int
-        Confidence level, 0 to 9.
-
-    Returns
-    -------
-    list of Cause
-        One for each cause that is given. Gains do not add up: spreads add up by their squares.
-
-    Raises
-    ------
-    BadInputError
-        If the level is not 0 to 9, or for the reasons given in `factors_of`.
-    """
+    """Return what each cause takes from Kdry_rst at a confidence level, the largest first."""
     weaker = _weaker(level)
     of_type("tolerances", tolerances, Tolerances, GIVE)
     whole = float(_factors(vehicles, tolerances, weaker)[0])
@@ -152,24 +118,7 @@ def causes_of(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, level:
 
 
 def one_failure(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, level: int = 9) -> list[OneFailure]:
-    """Return Kdry_rst at a confidence level if the brake of one vehicle does not act for certain.
-
-    Parameters
-    ----------
-    vehicles, tolerances, level
-        As in `causes_of`.
-
-    Returns
-    -------
-    list of OneFailure
-        One for each group with brakes, the largest force first, at most SHOWN; over the nominal force of the whole
-        train.
-
-    Raises
-    ------
-    BadInputError
-        As `causes_of`.
-    """
+    """Return Kdry_rst at a confidence level if the brake of one vehicle does not act for certain."""
     weaker, found = _weaker(level), []
     of_type("tolerances", tolerances, Tolerances, GIVE)
     nominal = _nominal(vehicles)
@@ -190,17 +139,7 @@ def build_up_of(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, buil
     SUBSET-026 has no factor for it. Its quantile is train data as it stands: a longer one is reached with the
     probability of the level, apart from that of Kdry_rst.
 
-    Parameters
-    ----------
-    vehicles, tolerances
-        As in `factors_of`.
-    build_up : float
-        Nominal equivalent build-up time [s].
-
-    Returns
-    -------
-    ndarray
-        Build-up times, shape (10) [s]. The train's is the mean of those of its vehicles by their forces.
+    Takes build_up [s]; returns [s] (10).
     """
     of_type("tolerances", tolerances, Tolerances, GIVE)
     build_up = finite("build_up", build_up)

@@ -56,18 +56,7 @@ class ConvertedBrake:
 def limit_speed(percentage: np.ndarray | float, resolution: float = 0.0) -> np.ndarray:
     """Return the speed up to which the first deceleration holds, A.3.7.4.
 
-    Parameters
-    ----------
-    percentage : ndarray or float
-        Brake percentage [%].
-    resolution : float
-        The speed is rounded up to a multiple of it [m/s]; 0: not at all, as SUBSET-026 states. Curves in the workbook
-        of ERA have steps of 0.1 km/h, each with the deceleration at its lowest speed, which has this effect.
-
-    Returns
-    -------
-    ndarray
-        Speed [m/s].
+    Takes percentage [%], resolution [m/s]; returns [m/s].
     """
     speed = 16.85 * np.power(percentage, 0.428) * KMH
     return np.ceil(speed / resolution - 1e-9) * resolution if resolution else speed
@@ -76,15 +65,7 @@ def limit_speed(percentage: np.ndarray | float, resolution: float = 0.0) -> np.n
 def basic_decelerations(percentage: np.ndarray | float) -> np.ndarray:
     """Return all six steps of the basic deceleration, A.3.7.4 and A.3.7.5, also those that the model ignores.
 
-    Parameters
-    ----------
-    percentage : ndarray or float
-        Brake percentage [%], shape (...).
-
-    Returns
-    -------
-    ndarray
-        AD_0 to AD_5 [m/s2], shape (..., 6). Ignored steps may be below 0.
+    Takes percentage [%] (...); returns [m/s2] (..., 6).
     """
     share = np.asarray(percentage, dtype=float)[..., None]
     polynomials = [sum(one * share**n for n, one in enumerate(row)) for row in COEFFICIENTS]
@@ -94,18 +75,7 @@ def basic_decelerations(percentage: np.ndarray | float) -> np.ndarray:
 def deceleration_of(percentage: np.ndarray | float, resolution: float = 0.0) -> Steps:
     """Return the deceleration of a brake percentage by speed, A.3.7.
 
-    Parameters
-    ----------
-    percentage : ndarray or float
-        Brake percentage [%], shape (...).
-    resolution : float
-        See `limit_speed`.
-
-    Returns
-    -------
-    Steps
-        Decelerations [m/s2]: 0.0075 lambda + 0.076 up to the limit speed, then a polynomial of lambda in each range.
-        A range that ends below the limit speed is ignored (A.3.7.5): it has no width here, and the first value.
+    Takes percentage [%] (...); returns [m/s2].
     """
     share = np.asarray(percentage, dtype=float)[..., None]
     limit, ends = limit_speed(share, resolution), np.array(ENDS) * KMH
@@ -118,19 +88,7 @@ def deceleration_of(percentage: np.ndarray | float, resolution: float = 0.0) -> 
 def build_up_time(position: str, length: np.ndarray | float, emergency: bool) -> np.ndarray:
     """Return the equivalent build-up time for a target at rest, A.3.8.
 
-    Parameters
-    ----------
-    position : str
-        Key of BRAKE_POSITIONS.
-    length : ndarray or float
-        Length of the train [m].
-    emergency : bool
-        Emergency or full service brake.
-
-    Returns
-    -------
-    ndarray
-        Time [s].
+    Takes length [m]; returns [s].
     """
     lengths = np.asarray(length, dtype=float)
     (a, b, c), least = (EMERGENCY if emergency else SERVICE)[position]
@@ -148,26 +106,7 @@ def brake_of_percentage(
 ) -> ConvertedBrake:
     """Return what a brake percentage stands for in supervision, SUBSET-026, A.3.7 and A.3.8.
 
-    Parameters
-    ----------
-    percentage : ndarray or float
-        Brake percentage [%], 30 to 250.
-    position : str
-        Key of BRAKE_POSITIONS.
-    length : ndarray or float
-        Length of the train [m].
-    resolution : float
-        See `limit_speed`.
-
-    Returns
-    -------
-    ConvertedBrake
-        Decelerations and times.
-
-    Raises
-    ------
-    BadInputError
-        If a number is outside the range of the model.
+    Takes percentage [%], length [m].
     """
     name_among("brake_position", position, tuple(BRAKE_POSITIONS))
     resolution = finite("resolution", resolution)

@@ -41,18 +41,7 @@ class Law:
 
 
 def product_of(over: Sequence[float], under: Sequence[float] = ()) -> Law:
-    """Return the law of a product of independent normal factors of mean 1, divided by others.
-
-    Parameters
-    ----------
-    over, under : sequence of float
-        Standard deviations of the factors and of the divisors; 0 leaves one out.
-
-    Returns
-    -------
-    Law
-        Values with a probability above rounding errors.
-    """
+    """Return the law of a product of independent normal factors of mean 1, divided by others."""
     parts = [(one, 1.0) for one in over if one] + [(one, -1.0) for one in under if one]
     if not parts:
         return Law(np.ones(1), np.ones(1))
@@ -79,17 +68,7 @@ def add_losses(masses: Numbers, law: Law, share: float, braking: float, weight: 
 
     A vehicle with its nominal force misses nothing and is a point of the grid, so that many of them add no error.
 
-    Parameters
-    ----------
-    masses : ndarray
-        Masses in the order of the transform, shape (SHARES,). Those added have the mean and the variance of the law.
-        Beside a single value they may be below 0 by up to an eighth of it.
-    law : Law
-        Force of the vehicle over its nominal one. Values beyond STRONGEST are moved there.
-    share : float
-        Nominal force of the vehicle over that of the train.
-    braking, weight : float
-        Share of the vehicle that brakes, and its probability.
+    Takes masses (SHARES,).
     """
     place = share * (1.0 - braking * np.minimum(law.values, STRONGEST)) / STEP
     nearest = np.rint(place).astype(int)
@@ -104,33 +83,14 @@ def add_losses(masses: Numbers, law: Law, share: float, braking: float, weight: 
 def sum_of(groups: Sequence[tuple[int, Numbers]]) -> Numbers:
     """Return the masses of the share that a train misses.
 
-    Parameters
-    ----------
-    groups : sequence of (int, ndarray)
-        Count of equal vehicles, and the masses of each, shape (SHARES,).
-
-    Returns
-    -------
-    ndarray
-        Masses, shape (SHARES,).
+    Takes groups (SHARES,); returns (SHARES,).
     """
     total = reduce(np.multiply, (rfft(masses) ** count if count > 1 else rfft(masses) for count, masses in groups))
     return irfft(total, SHARES)
 
 
 def failures_of(groups: Sequence[tuple[int, Law]]) -> Law | None:
-    """Return the law of the share that a train misses by failures alone, without a grid.
-
-    Parameters
-    ----------
-    groups : sequence of (int, Law)
-        Count of equal vehicles, and the law of the share that each misses.
-
-    Returns
-    -------
-    Law or None
-        Shares, ascending; None if there are more than MOST_SUMS.
-    """
+    """Return the law of the share that a train misses by failures alone, without a grid."""
     total: Law | None = Law(np.zeros(1), np.ones(1))
     for count, one in groups:
         while count and total is not None:
@@ -157,17 +117,7 @@ def _both(one: Law, other: Law) -> Law | None:
 def quantiles_of_failures(losses: Law, weaker: Numbers) -> Numbers:
     """Return the shares of the nominal force that are not reached with given probabilities, by failures alone.
 
-    Parameters
-    ----------
-    losses : Law
-        Share that the train misses, ascending.
-    weaker : ndarray
-        Probabilities, shape (levels,).
-
-    Returns
-    -------
-    ndarray
-        Shares, shape (levels,); 0 if no force is more likely than that.
+    Takes weaker (levels,); returns (levels,).
     """
     rest = max(1.0 - float(losses.masses.sum()), 0.0)
     reached = rest + np.cumsum(losses.masses[::-1])  # probability of this loss or a larger one
@@ -179,19 +129,7 @@ def quantiles_of_failures(losses: Law, weaker: Numbers) -> Numbers:
 def quantiles_of(losses: Numbers, common: Law, weaker: Numbers) -> Numbers:
     """Return the shares of the nominal force that are not reached with given probabilities.
 
-    Parameters
-    ----------
-    losses : ndarray
-        Masses of the share that the train misses, shape (SHARES,). Each is spread evenly over its step.
-    common : Law
-        Factor on the rest.
-    weaker : ndarray
-        Probabilities, shape (levels,).
-
-    Returns
-    -------
-    ndarray
-        Shares, shape (levels,); 0 if no force is more likely than that.
+    Takes losses (SHARES,), weaker (levels,); returns (levels,).
     """
     rising = np.fft.fftshift(losses)[::-1]
     below = np.append(0.0, np.cumsum(rising))

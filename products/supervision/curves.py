@@ -72,15 +72,7 @@ class Curves:
 def speed_inaccuracy(speed: np.ndarray | float) -> np.ndarray:
     """Return the largest error of the speed that an on-board unit may have, SUBSET-041, 5.3.1.2.
 
-    Parameters
-    ----------
-    speed : ndarray or float
-        Speed [m/s].
-
-    Returns
-    -------
-    ndarray
-        2 km/h up to 30 km/h, linear to 12 km/h at 500 km/h [m/s].
+    Takes speed [m/s]; returns [m/s].
     """
     return np.asarray(np.interp(speed, (30.0 * KMH, 500.0 * KMH), (2.0 * KMH, 12.0 * KMH)))
 
@@ -103,44 +95,7 @@ def supervise(
 ) -> Curves:
     """Return the supervision limits of one target for a train or many trains.
 
-    Parameters
-    ----------
-    train : SupervisedTrain
-        Numbers of the train, or of many.
-    place : float or ndarray
-        Place of the target [m], shape (...).
-    V_est : ndarray or float
-        Estimated speeds [m/s], shape (m) or (..., m).
-    kind : str
-        EOA: end of authority, at rest. LOA: limit of authority. MRSP: a lower permitted speed.
-    target_speed : float or ndarray
-        Speed at the target [m/s]; 0 at an EOA.
-    beyond : float or ndarray
-        Distance of the supervised location (SvL) behind the EOA [m].
-    gradients : Gradients or None
-        Of the line; None: level.
-    national, fixed : NationalValues, FixedValues or None
-        Values of the country and of the baseline; None: the defaults.
-    A_est : float or ndarray
-        Estimated acceleration [m/s2].
-    V_ura : ndarray or float or None
-        Error of the speed [m/s]; None: `speed_inaccuracy`, or 0 if the country inhibits it (`exact_speed`).
-    slippery : bool
-        True for reduced adhesion.
-    pipe_fall : float or ndarray
-        Fall of the brake pipe's pressure [Pa] for a train with `service_feedback` in a country that permits it, see
-        `feedback.service_times`.
-
-    Returns
-    -------
-    Curves
-        Places of each limit.
-
-    Raises
-    ------
-    BadInputError
-        If an argument is of another type, a number is not finite, a speed is below 0, several speeds are all below
-        that of the target, the kind is unknown, or the train states another confidence level than the country.
+    Takes place [m] (...), V_est [m/s] (m), target_speed [m/s], beyond [m], A_est [m/s2], V_ura [m/s], pipe_fall [Pa].
     """
     check_train(train)
     national, fixed, gradients = checked_values(national, fixed, gradients)
@@ -189,17 +144,7 @@ def supervise(
 def predicted_error(V_ura: np.ndarray | float | None, speed: np.ndarray | float) -> np.ndarray:
     """Return the error of the speed that the standard assumes at a speed which the train does not have yet.
 
-    Parameters
-    ----------
-    V_ura : ndarray or float or None
-        As of `supervise`: 0 at all speeds if the country inhibits it.
-    speed : ndarray or float
-        Speeds [m/s].
-
-    Returns
-    -------
-    ndarray
-        `speed_inaccuracy` [m/s], or 0 if it is inhibited: 3.13.9.3.5.9 and 3.13.9.4.6.
+    Takes speed [m/s]; returns [m/s].
     """
     inhibited = V_ura is not None and not np.any(V_ura)
     return np.zeros_like(speed, dtype=float) if inhibited else speed_inaccuracy(speed)
@@ -234,18 +179,7 @@ def _check_target(target_speed: object, speeds: np.ndarray) -> None:
 def checked_values(
     national: object, fixed: object = None, gradients: object = None
 ) -> tuple[NationalValues, FixedValues, Gradients]:
-    """Return values of the country and of the baseline, and gradients, if they are of their types.
-
-    Parameters
-    ----------
-    national, fixed, gradients : object
-        As of `supervise`; None: the defaults, and a level line.
-
-    Raises
-    ------
-    BadInputError
-        If one is of another type.
-    """
+    """Return values of the country and of the baseline, and gradients, if they are of their types."""
     return (
         check_national(NationalValues() if national is None else national),
         of_type("fixed", FixedValues() if fixed is None else fixed, FixedValues, "Give FixedValues(...)."),

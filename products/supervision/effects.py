@@ -12,22 +12,7 @@ OF_TWO_SETS = {"Kv_int_b": "M_NVKVINT_b", "A_NVP12": "A_NVP12", "A_NVP23": "A_NV
 
 
 def without_effect(train: SupervisedTrain, national: NationalValues, slippery: bool = False) -> list[str]:
-    """Return the national values that differ from their defaults but change no limit of a train.
-
-    Parameters
-    ----------
-    train : SupervisedTrain
-        The train.
-    national : NationalValues
-        Values of the country.
-    slippery : bool
-        True on a stretch of reduced adhesion.
-
-    Returns
-    -------
-    list of str
-        Names of packet 3, each with the reason in brackets.
-    """
+    """Return the national values that differ from their defaults but change no limit of a train."""
     check_train(train)
     check_national(national)
     switch("slippery", slippery)

@@ -17,22 +17,7 @@ def service_times(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return T_bs1 and T_bs2: times from both service brake interventions to SBD and to EBI.
 
-    Parameters
-    ----------
-    T_bs : ndarray
-        Build-up time of the service brake [s].
-    train : SupervisedTrain
-        The train. Both times are 0 without a service brake command. They are T_bs without feedback.
-    pipe_fall : ndarray
-        Fall of the brake pipe's pressure since the driver began to brake [Pa]. The caller keeps 60 kPa once it was
-        reached. The times are then locked until the target is passed.
-    permitted : bool
-        True if the country permits the feedback.
-
-    Returns
-    -------
-    T_bs1, T_bs2 : ndarray
-        Times [s].
+    Takes T_bs [s], pipe_fall [Pa]; returns T_bs1, T_bs2 [s].
     """
     if not train.service_command:
         return np.zeros_like(T_bs), np.zeros_like(T_bs)

@@ -16,18 +16,7 @@ FASTEST_BOUNDARY = 140.0
 
 
 def set_kinds(one: Any) -> None:
-    """Make steps and switches of a frozen data class of their kind: a number is a step for all speeds.
-
-    Parameters
-    ----------
-    one : dataclass
-        An instance, in its `__post_init__`. Fields annotated with `Steps` are steps, those with `bool` switches.
-
-    Raises
-    ------
-    BadInputError
-        If a field is not of its kind.
-    """
+    """Make steps and switches of a frozen data class of their kind: a number is a step for all speeds."""
     for field in fields(one):
         value, kind = getattr(one, field.name), str(field.type)
         if kind == "bool":
@@ -41,20 +30,7 @@ def set_kinds(one: Any) -> None:
 
 
 def check_boundaries(name: str, steps: Steps) -> None:
-    """Refuse boundaries of speed that are not in m/s.
-
-    Parameters
-    ----------
-    name : str
-        Name of the step function.
-    steps : Steps
-        By speed.
-
-    Raises
-    ------
-    BadInputError
-        If one is above 140 m/s.
-    """
+    """Refuse boundaries of speed that are not in m/s."""
     most = float(steps.boundaries.max(initial=0.0))
     if most > FASTEST_BOUNDARY:
         raise BadInputError(

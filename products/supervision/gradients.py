@@ -71,27 +71,13 @@ class Gradients:
 
     @classmethod
     def level(cls) -> Gradients:
-        """Return those of a level line.
-
-        Returns
-        -------
-        Gradients
-            One gradient of 0.
-        """
+        """Return those of a level line."""
         return cls(np.zeros(1), np.zeros(1))
 
     def lowest_under(self, length: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
         """Return the lowest gradient under a train over the place of its front, SUBSET-026, 3.13.4.2.
 
-        Parameters
-        ----------
-        length : ndarray or float
-            Lengths of trains [m], shape (...).
-
-        Returns
-        -------
-        places, permille : ndarray
-            Places where it may change [m], ascending, shape (..., m); gradients between them, shape (..., m + 1).
+        Takes length [m] (...); returns places, permille [m] (..., m).
         """
         lengths, edges = at_least("length", length, 0.0, "m")[..., None], self.starts[1:]
         entering = np.broadcast_to(edges, (*lengths.shape[:-1], edges.size))
@@ -119,17 +105,7 @@ def _lowest(values: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarr
 def acceleration_by(permille: np.ndarray, rotating: np.ndarray | float | None) -> np.ndarray:
     """Return what a gradient adds to the deceleration of a train, SUBSET-026, 3.13.4.3.
 
-    Parameters
-    ----------
-    permille : ndarray
-        Gradients [permille], shape (..., n).
-    rotating : ndarray or float or None
-        Nominal rotating mass [% of the mass], shape (...); None: 15 % uphill and 2 % downhill.
-
-    Returns
-    -------
-    ndarray
-        A_gradient [m/s2], shape (..., n).
+    Takes permille [permille] (..., n), rotating [% of the mass] (...); returns [m/s2] (..., n).
     """
     if rotating is None:
         share = np.where(permille > 0.0, ROTATING_UPHILL, ROTATING_DOWNHILL)

@@ -46,28 +46,7 @@ def brake_of_run(
 ) -> BrakeOfRun:
     """Return the train data that a stop on level track stands for.
 
-    Parameters
-    ----------
-    time : ndarray
-        Times since the command [s], shape (n).
-    speed : ndarray
-        Speed of the train [m/s], shape (n).
-    share : ndarray
-        How far the brake is developed, 0 to 1, shape (n): of pressure or force.
-    largest : float
-        Largest speed of the train data [m/s]. The brake must be developed before the train is slower.
-    most_steps : int
-        Largest number of steps, 1 to 7.
-
-    Returns
-    -------
-    BrakeOfRun
-        Deceleration and build-up time.
-
-    Raises
-    ------
-    BadInputError
-        If the brake never develops, develops below the largest speed, or does not stop the train.
+    Takes time [s] (n), speed [m/s] (n), share (n), largest [m/s].
     """
     if not 1 <= most_steps <= MOST_STEPS:
         raise BadInputError(f"most_steps must be 1 to {MOST_STEPS} (SUBSET-026, 3.13.2.2.3); got {most_steps}.")

@@ -71,27 +71,7 @@ class RoundedNational:
 
 
 def rounded_train(train: SupervisedTrain, dry_by_level: Sequence[Steps] = ()) -> RoundedTrain:
-    """Return a train as the on-board unit stores it, no number on the unsafe side.
-
-    Parameters
-    ----------
-    train : SupervisedTrain
-        One train. Its guidance curve has no variable in the message and stays as it is.
-    dry_by_level : sequence of Steps
-        Kdry_rst of the confidence levels 0 to 9, if they are known; rounded with the others.
-
-    Returns
-    -------
-    RoundedTrain
-        Decelerations and factors are rounded down to 0.01 m/s2 and 0.05. Boundaries that are not multiples of 1 km/h
-        take the lower value of their km/h. Times are rounded up to 0.05 s and 0.01 s, the length to 1 m. The brake
-        percentage is rounded down to 1 %.
-
-    Raises
-    ------
-    BadInputError
-        If a number has no place in its variable: too large, rounded to 0, or more than 7 sections of speed.
-    """
+    """Return a train as the on-board unit stores it, no number on the unsafe side."""
     check_train(train)
     all_of_type("dry_by_level", dry_by_level, Steps, "Give Steps for each level, or ().")
     if np.ndim(train.length) or train.A_brake_emergency.values.ndim > 1:
@@ -275,25 +255,7 @@ def _moves(train: SupervisedTrain, rounded: SupervisedTrain) -> tuple[Move, ...]
 
 
 def rounded_national(national: NationalValues) -> RoundedNational:
-    """Return national values as packet 3 transmits them, none on the unsafe side.
-
-    Parameters
-    ----------
-    national : NationalValues
-        Values of a country.
-
-    Returns
-    -------
-    RoundedNational
-        Factors of decelerations, their waived share of the wet loss, and decelerations rounded down (0.02 or 0.05),
-        Kt_int up; the lowest factor between boundaries that the packet does not have; A_NVP12 and A_NVP23 towards the
-        lower set of Kv_int.
-
-    Raises
-    ------
-    BadInputError
-        If a value rounds to 0, or neither set of Kv_int is the lower one and A_NVP12 or A_NVP23 does not fit.
-    """
+    """Return national values as packet 3 transmits them, none on the unsafe side."""
     check_national(national)
     sets = [national.Kv_int] if national.Kv_int_b is None else [national.Kv_int, national.Kv_int_b]
     names = ["M_NVKVINT", "M_NVKVINT of set b"][: len(sets)]

@@ -21,29 +21,7 @@ def release_speed(train: SupervisedTrain, beyond: float, trip: float = 0.0, plac
 
     Its emergency brake then stops the train before the supervised location.
 
-    Parameters
-    ----------
-    train : SupervisedTrain
-        One train.
-    beyond : float
-        Distance of the supervised location (SvL) behind the end of authority [m].
-    trip : float
-        Distance behind the end of authority at which the train is tripped [m].
-    place : float
-        Place of the end of authority on the line of `gradients` [m].
-    **others
-        Other arguments of `supervise`: gradients, national, fixed, V_ura, slippery. The estimated acceleration is 0,
-        and the error of the speed at least `speed_inaccuracy`, unless it is inhibited (3.13.9.4.8).
-
-    Returns
-    -------
-    float
-        Speed, rounded down to 1 km/h [m/s], at most 100 km/h; 0 if no speed is safe.
-
-    Raises
-    ------
-    BadInputError
-        If the trip lies behind the supervised location, or A_est is given.
+    Takes beyond [m], trip [m], place [m]; returns [m/s].
     """
     if "A_est" in others:
         raise BadInputError("A_est must be left out of a release speed: the standard sets it to 0 (3.13.9.4.8.1).")

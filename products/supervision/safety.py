@@ -128,26 +128,8 @@ class _Force:
 def dry_factors(units: Sequence[BrakeUnits], common: float = 0.0) -> np.ndarray:
     """Return Kdry_rst for the confidence levels 0 to 9.
 
-    Parameters
-    ----------
-    units : sequence of BrakeUnits
-        All units of the train.
-    common : float
-        Standard deviation that all units share, over their force: of friction, pressure or mass.
+    Returns (10).
 
-    Returns
-    -------
-    ndarray
-        Share of the nominal force that is reached with a probability of 50 %, 90 %, ..., 1 - 1e-9, shape (10); 0 where
-        no force is.
-
-    Raises
-    ------
-    BadInputError
-        If the spread is outside its limits, or there are more combinations of failures than can be summed.
-
-    Notes
-    -----
     The integral over the common factor is exact to 1e-10. Where the units' own spread is below a tenth of the common
     one, their product is taken as normal, which changes K by less than 1e-3 at spreads of 5 %.
     """
@@ -162,18 +144,7 @@ def dry_factors(units: Sequence[BrakeUnits], common: float = 0.0) -> np.ndarray:
 
 
 def rounded_down(factors: ArrayLike) -> np.ndarray:
-    """Return factors in the resolution of train data, on the safe side.
-
-    Parameters
-    ----------
-    factors : array_like
-        Factors; NaN, a level that was not reached, stays NaN.
-
-    Returns
-    -------
-    ndarray
-        Multiples of 0.05.
-    """
+    """Return factors in the resolution of train data, on the safe side."""
     array = numbers("factors", factors)
     if not np.all(np.isnan(array) | ((array >= 0.0) & np.isfinite(array))):
         raise BadInputError(f"factors must be finite and at least 0; got {shown(array.tolist())}. Correct them.")

@@ -56,53 +56,21 @@ class Steps:
 
     @classmethod
     def constant(cls, value: float | np.ndarray) -> Steps:
-        """Return one step for all speeds.
-
-        Parameters
-        ----------
-        value : float or ndarray
-            Its value, for each train.
-
-        Returns
-        -------
-        Steps
-            Without boundaries.
-        """
+        """Return one step for all speeds."""
         array = numbers("The value of a step", value)[..., None]
         return cls(np.zeros((*array.shape[:-1], 0)), array)
 
     def at(self, speed: np.ndarray | float) -> np.ndarray:
         """Return the values at speeds.
 
-        Parameters
-        ----------
-        speed : ndarray or float
-            Speeds [m/s], shape (..., m), or one speed.
-
-        Returns
-        -------
-        ndarray
-            Values, shape (..., m).
+        Takes speed [m/s] (..., m); returns (..., m).
         """
         speeds = np.atleast_1d(at_least("speed", speed, 0.0, "m/s"))
         step = (speeds[..., :, None] > self.boundaries[..., None, :]).sum(axis=-1)
         return values_at(self.values, step)
 
     def with_others(self, rule: Callable[..., np.ndarray], *others: Steps) -> Steps:
-        """Return a step function of several ones, exact at each speed.
-
-        Parameters
-        ----------
-        rule : callable
-            Computes the values from those of this function and of the others.
-        *others : Steps
-            The others.
-
-        Returns
-        -------
-        Steps
-            With the boundaries of all.
-        """
+        """Return a step function of several ones, exact at each speed."""
         every = (self, *others)
         shape = np.broadcast_shapes(*(one.values.shape[:-1] for one in every))
         ends = [np.broadcast_to(one.boundaries, (*shape, one.boundaries.shape[-1])) for one in every]
@@ -119,17 +87,7 @@ def is_empty(value: object) -> bool:
 def values_at(values: np.ndarray, numbers: np.ndarray) -> np.ndarray:
     """Return values by their numbers along the last axis; leading axes, of trains, are broadcast.
 
-    Parameters
-    ----------
-    values : ndarray
-        Values, shape (..., n).
-    numbers : ndarray
-        Numbers from 0 to n - 1, shape (..., m).
-
-    Returns
-    -------
-    ndarray
-        Values, shape (..., m).
+    Takes values (..., n), numbers (..., m); returns (..., m).
     """
     shape = np.broadcast_shapes(values.shape[:-1], numbers.shape[:-1])
     of_trains = np.broadcast_to(values, (*shape, values.shape[-1]))

@@ -103,18 +103,7 @@ class Tolerances:
         return [name for name in ENTRIES if name not in NO_CAUSES and getattr(self, name)]
 
     def without(self, name: str) -> Tolerances:
-        """Return the same without one cause.
-
-        Parameters
-        ----------
-        name : str
-            One of `causes`.
-
-        Returns
-        -------
-        Tolerances
-            With 0 for it, and without the entries that only describe it.
-        """
+        """Return the same without one cause."""
         if not isinstance(name, str) or name not in self.causes:
             raise BadInputError(f"name must be one of the given causes, {', '.join(self.causes)}; got {shown(name)}.")
         given: dict[str, Any] = {name: 0.0}

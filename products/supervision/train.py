@@ -183,31 +183,7 @@ class SupervisedTrain:
     ) -> SupervisedTrain:
         """Return the train data of a brake percentage, by the conversion model, SUBSET-026, A.3.7 and A.3.8.
 
-        Parameters
-        ----------
-        percentage : float or ndarray
-            Brake percentage [%].
-        position : str
-            Brake position, of BRAKE_POSITIONS.
-        length : float or ndarray
-            Length of the train [m].
-        resolution : float
-            See `conversion.limit_speed`.
-        maximum_speed : float or ndarray or None
-            Largest speed of the train [m/s], up to 200 km/h; None: not stated.
-        **others
-            Others of the class: T_traction_cut_off, traction_command, service_command, service_feedback, rotating, and
-            the data of the guidance curve.
-
-        Returns
-        -------
-        SupervisedTrain
-            The train.
-
-        Raises
-        ------
-        BadInputError
-            If a number is outside the range of the model.
+        Takes percentage [%], length [m], maximum_speed [m/s].
         """
         brake = brake_of_percentage(percentage, position, length, resolution)
         if maximum_speed is not None and not np.all(numbers("maximum_speed", maximum_speed) <= FASTEST * (1.0 + 1e-9)):
@@ -229,18 +205,7 @@ class SupervisedTrain:
         return (0 if self.without_adhesion else 1) if self.is_passenger else 2
 
     def check_level(self, level: int) -> None:
-        """Refuse a confidence level for which the train does not state its brake.
-
-        Parameters
-        ----------
-        level : int
-            M_NVEBCL of the country.
-
-        Raises
-        ------
-        BadInputError
-            If the train has another level. A train by its percentage has none.
-        """
+        """Refuse a confidence level for which the train does not state its brake."""
         checked_level("M_NVEBCL", level)
         if self.position is None and self.level not in (None, level):
             raise BadInputError(
@@ -251,22 +216,7 @@ class SupervisedTrain:
     def safe_brake(self, national: NationalValues, slippery: bool = False) -> Steps:
         """Return A_brake_safe, the deceleration that the emergency brake reaches for certain, 3.13.6.2.
 
-        Parameters
-        ----------
-        national : NationalValues
-            Values of the country.
-        slippery : bool
-            True on a stretch of reduced adhesion.
-
-        Returns
-        -------
-        Steps
-            Deceleration on level track [m/s2].
-
-        Raises
-        ------
-        BadInputError
-            See `check_level`.
+        Returns [m/s2].
         """
         check_national(national)
         self.check_level(national.M_NVEBCL)
@@ -284,18 +234,7 @@ class SupervisedTrain:
         return safe.with_others(lambda brake: np.minimum(brake, most))
 
     def speed_factor(self, national: NationalValues) -> Steps:
-        """Return Kv_int, for passenger trains between both sets by the largest deceleration, 3.13.6.2.1.7.
-
-        Parameters
-        ----------
-        national : NationalValues
-            Values of the country.
-
-        Returns
-        -------
-        Steps
-            Factor of the emergency brake by speed.
-        """
+        """Return Kv_int, for passenger trains between both sets by the largest deceleration, 3.13.6.2.1.7."""
         check_national(national)
         low, high = national.Kv_int, national.Kv_int_b
         if high is None or not self.is_passenger:
@@ -313,17 +252,7 @@ class SupervisedTrain:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return T_be and T_bs for a target, 3.13.6.2.2 and A.3.8.
 
-        Parameters
-        ----------
-        national : NationalValues
-            Values of the country.
-        target_speed : ndarray or float
-            Speed at the target [m/s].
-
-        Returns
-        -------
-        emergency, service : ndarray
-            Times [s].
+        Takes target_speed [m/s]; returns emergency, service [s].
         """
         check_national(national)
         target = at_least("target_speed", target_speed, 0.0, "m/s")
@@ -335,18 +264,7 @@ class SupervisedTrain:
 
 
 def check_train(train: object) -> None:
-    """Refuse what is not a train.
-
-    Parameters
-    ----------
-    train : object
-        Argument of a function.
-
-    Raises
-    ------
-    BadInputError
-        If it is not a SupervisedTrain.
-    """
+    """Refuse what is not a train."""
     remedy = "Of a file, take read_train(path).at_level(M_NVEBCL)."
     of_type("train", train, SupervisedTrain, remedy)
 
@@ -354,19 +272,7 @@ def check_train(train: object) -> None:
 def choose_normal_service(service: Steps, choices: tuple[Steps, Steps, Steps], limits: tuple[float, float]) -> Steps:
     """Return the normal service deceleration that belongs to a full service brake, SUBSET-026, 3.13.6.4.
 
-    Parameters
-    ----------
-    service : Steps
-        A_brake_service of one train.
-    choices : tuple of Steps
-        A_brake_normal_service 0, 1, 2 of the brake position.
-    limits : tuple of float
-        A_SB01 and A_SB12 [m/s2].
-
-    Returns
-    -------
-    Steps
-        The choice by the service deceleration at rest.
+    Takes limits [m/s2].
     """
     at_rest = float(np.ravel(service.at(0.0))[0])
     return choices[int(at_rest > limits[0]) + int(at_rest > limits[1])]

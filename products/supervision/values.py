@@ -55,15 +55,7 @@ class FixedValues:
     def dV_ebi(self, speed: np.ndarray | float) -> np.ndarray:
         """Return the margin of the emergency brake over a permitted speed, 7.5 to 15 km/h at 110 to 210 km/h.
 
-        Parameters
-        ----------
-        speed : ndarray or float
-            Permitted speed [m/s].
-
-        Returns
-        -------
-        ndarray
-            Margin [m/s].
+        Takes speed [m/s]; returns [m/s].
         """
         return np.asarray(
             np.interp(at_least("speed", speed, 0.0, "m/s"), (110.0 * KMH, 210.0 * KMH), (7.5 * KMH, 15.0 * KMH))
@@ -147,44 +139,14 @@ def check_national(national: object) -> NationalValues:
 
 
 def checked_level(name: str, value: object) -> int:
-    """Return a confidence level.
-
-    Parameters
-    ----------
-    name : str
-        Its name.
-    value : object
-        An integer from 0 to 9.
-
-    Raises
-    ------
-    BadInputError
-        If it is none.
-    """
+    """Return a confidence level."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.number) or value not in range(10):
         raise BadInputError(f"{name} must be an integer from 0 to 9; got {shown(value)}. Correct it.")
     return int(value)
 
 
 def check_factors(name: str, values: ArrayLike, least: float, most: float, remedy: str) -> None:
-    """Refuse values outside their range.
-
-    Parameters
-    ----------
-    name : str
-        Their name.
-    values : array_like
-        The values.
-    least, most : float
-        The range.
-    remedy : str
-        End of the message.
-
-    Raises
-    ------
-    BadInputError
-        If a value is outside, or not a number.
-    """
+    """Refuse values outside their range."""
     array = numbers(name, values)
     if not np.all((array >= least) & (array <= most)):
         raise BadInputError(f"{name} must be {least:g} to {most:g}; got {shown(array.tolist())}. {remedy}")

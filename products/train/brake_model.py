@@ -46,22 +46,7 @@ BRAKE_MODELS_BY_COST = {
 def select_brake_model(
     consist: Consist, distance: float = 0.01, force: float = 0.05, releases: bool = False
 ) -> Settings:
-    """Return the cheapest settings for a consist within the required relative errors [1].
-
-    Parameters
-    ----------
-    consist : Consist
-        The train.
-    distance, force : float
-        Allowed relative errors of the stopping distance and of the largest compression [1].
-    releases : bool
-        Whether brakes are released and charged again.
-
-    Raises
-    ------
-    ValueError
-        If an error is not from 0 to LARGEST_ERROR, or if no brake model suffices.
-    """
+    """Return the cheapest settings for a consist within the required relative errors [1]."""
     for name, value in (("distance", distance), ("force", force)):
         number = math.nan if isinstance(value, str) else number_of(value)
         if not 0.0 <= number <= LARGEST_ERROR:

@@ -135,11 +135,6 @@ def braked_by(
 
     A resistance (a, b, c) does not change the stopping distance of the percentage: the force of the shoes is reduced by
     it. rotating: share of the rotating masses [1]; pressure: that of the full cylinder [Pa].
-
-    Raises
-    ------
-    ValueError
-        If the resistance alone stops the vehicle in the distance of the percentage.
     """
     return braked_with(force_beside(resistance, percentage, (1 + rotating) * mass), pressure)
 

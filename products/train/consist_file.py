@@ -88,13 +88,7 @@ WITHOUT_BRAKE = (
 
 
 def read_consist(path: Path) -> Consist:
-    """Return the consist in a file, TOML where its name ends so, otherwise a table.
-
-    Raises
-    ------
-    FileError, ValueError
-        If the file is not a consist; the message names file, row, column, value and remedy.
-    """
+    """Return the consist in a file, TOML where its name ends so, otherwise a table."""
     if path.suffix.lower() == ".toml":
         rows, couplers = _rows_of_toml(path)
         places = [f"vehicle {number}" for number in range(1, len(rows) + 1)]
@@ -125,24 +119,7 @@ def consist_of(
     places: Sequence[str] = (),
     couplers: Mapping[str, Coupler] | None = None,
 ) -> Consist:
-    """Return a consist of rows as a file has them.
-
-    Parameters
-    ----------
-    rows : list of dict
-        Values by the names of columns.
-    name : str
-        The file, for messages.
-    places : sequence of str
-        Of each row, for messages.
-    couplers : mapping of str to Coupler, optional
-        Couplers that rows may name besides the built-in ones.
-
-    Raises
-    ------
-    ValueError
-        If the rows are not a consist, or a coupler has no effect; the message names file, row, value and remedy.
-    """
+    """Return a consist of rows as a file has them."""
     own = dict(couplers or {})
     vehicles: list[TrainVehicle] = []
     heads: list[str] = []

@@ -47,23 +47,7 @@ Row = dict[str, Any]
 
 
 def write_consist(what: Consist | Iterable[Mapping[str, Any]], path: str | Path) -> None:
-    """Write a consist to a file, TOML where its name ends so, otherwise CSV with commas.
-
-    Parameters
-    ----------
-    what : Consist, or iterable of mappings
-        Vehicles, or rows of columns as `consist_of` takes them. They are read first, so that the file is a consist.
-    path : str or Path
-        The file.
-
-    Raises
-    ------
-    ValueError
-        If rows are not a consist, a vehicle has a value that no column states, or couplers have tables and the file is
-        CSV.
-    StorageError
-        If the file cannot be written.
-    """
+    """Write a consist to a file, TOML where its name ends so, otherwise CSV with commas."""
     couplers = coupler_tables_of(what) if isinstance(what, Consist) else []
     rows = rows_of(what) if isinstance(what, Consist) else [dict(row) for row in what]
     consist_of(rows, couplers=couplers_of(couplers, "the consist"))
@@ -113,13 +97,7 @@ def _cell(name: str, value: Any) -> str:
 
 
 def coupler_tables_of(consist: Consist) -> list[dict[str, Any]]:
-    """Return the [[coupler]] tables of a consist: of couplers that are neither built-in nor numbers of a row.
-
-    Raises
-    ------
-    ValueError
-        If two of them have one name.
-    """
+    """Return the [[coupler]] tables of a consist: of couplers that are neither built-in nor numbers of a row."""
     found: dict[str, Coupler] = {}
     for one in consist.vehicles[:-1]:
         name = one.coupler.name
@@ -129,13 +107,7 @@ def coupler_tables_of(consist: Consist) -> list[dict[str, Any]]:
 
 
 def rows_of(consist: Consist) -> list[Row]:
-    """Return the rows that state a consist.
-
-    Raises
-    ------
-    ValueError
-        If a vehicle has a value that no column states; the message names it.
-    """
+    """Return the rows that state a consist."""
     rows = []
     *ahead, last = consist.vehicles
     if last.coupler.name not in {*COUPLERS, *(one.coupler.name for one in ahead)}:

@@ -68,15 +68,7 @@ def couplers_of(tables: Any, source: str) -> dict[str, Coupler]:
 
 
 def coupler_named(text: str) -> Coupler:
-    """Return a built-in coupler by its name, or one of a file, as "FILE.toml" or "FILE.toml:NAME".
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read.
-    ValueError
-        If the text is neither, or the file has no such coupler.
-    """
+    """Return a built-in coupler by its name, or one of a file, as "FILE.toml" or "FILE.toml:NAME"."""
     if text in COUPLERS:
         return COUPLERS[text]()
     file, ending, name = text.partition(f"{TOML}:")
@@ -94,13 +86,7 @@ def coupler_named(text: str) -> Coupler:
 
 
 def coupler_of(table: Any) -> Coupler:
-    """Return the coupler of a [[coupler]] table, a mapping of TABLE_NAMES.
-
-    Raises
-    ------
-    ValueError
-        If a value is missing, of no effect or out of its limits, or a curve of unloading lies above that of loading.
-    """
+    """Return the coupler of a [[coupler]] table, a mapping of TABLE_NAMES."""
     values = _checked(table)
     curves = {device: _curves(device, values) for device in DEVICES if _names(device, values)}
     pairs: dict[str, tuple[Curve, Curve]] = {}

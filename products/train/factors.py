@@ -31,20 +31,7 @@ TWICE = (
 
 
 def changed(consist: Consist, values: Mapping[str, float]) -> Consist:
-    """Return a consist with other parameters.
-
-    Parameters
-    ----------
-    consist : Consist
-        The train.
-    values : mapping of str to float
-        Some of PARAMETERS in their units. A resistance of the train is shared by mass.
-
-    Raises
-    ------
-    ValueError
-        If a distributor has no filling time, or no brake has the percentage.
-    """
+    """Return a consist with other parameters."""
     mass = consist.mass
     return Consist(tuple(_vehicle(one, values, one.mass / mass) for one in consist.vehicles))
 

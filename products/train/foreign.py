@@ -32,18 +32,7 @@ WHOLE: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def consist_from(path: Path) -> tuple[Consist, Imported | None]:
-    """Return the consist in a file, and the account of its fields if it is of another program.
-
-    Parameters
-    ----------
-    path : Path
-        A consist (TOML, CSV), or a file with one of the suffixes in `readers/formats/trains.py: FORMATS`.
-
-    Raises
-    ------
-    ValueError
-        If the file is not a consist, or cannot be read; the message names the file, the place, and the remedy.
-    """
+    """Return the consist in a file, and the account of its fields if it is of another program."""
     return imported_consist(path) if is_foreign(path) else (read_consist(path), None)
 
 
@@ -52,11 +41,6 @@ def imported_consist(path: Path) -> tuple[Consist, Imported]:
 
     Values of columns that only refine a vehicle are left out beyond their limits, and told; of times the nearest limit
     is taken.
-
-    Raises
-    ------
-    ValueError
-        If the file cannot be read, or its vehicles are beyond the limits of a consist.
     """
     found = read_foreign(path)
     rows, outside = zip(*(_fitted(row) for row in found.rows), strict=True)

@@ -149,21 +149,7 @@ class Pipe(Air):
     def connect(self, cells: Sequence[int], distributors: Sequence[DistributorParameters], pressure: float) -> None:
         """Connect vehicles to these cells, charged to an absolute pressure [Pa]; their cylinders are empty.
 
-        Parameters
-        ----------
-        cells : sequence of int
-            Cell of each vehicle.
-        distributors : sequence of DistributorParameters
-            Distributor of each vehicle.
-        pressure : float
-            Absolute pressure [Pa].
-
-        Raises
-        ------
-        ValueError
-            If a cell does not exist, or if there is not one for each distributor.
-        MemoryError
-            If there is not enough memory.
+        Takes pressure [Pa].
         """
         places = np.array(cells, np.int64)
         if not (places.size == len(distributors) and places.size and places.min() >= 0 and places.max() < self.cells):

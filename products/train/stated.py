@@ -175,20 +175,7 @@ def _check_columns(values: Mapping[str, Any]) -> None:
 
 
 def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> DistributorParameters:
-    """Return a vehicle's distributor with the pressure, times and volumes of a row.
-
-    Parameters
-    ----------
-    values : mapping
-        The row, checked by `check_control`.
-    one : DistributorParameters
-        The distributor without them.
-
-    Raises
-    ------
-    ValueError
-        If its reservoir does not reach the pressure.
-    """
+    """Return a vehicle's distributor with the pressure, times and volumes of a row."""
     if values.get("brake") == "none":
         return Piped(full_pressure=0.0)
     if values.get("brake") == "ep-direct":
@@ -232,20 +219,7 @@ def _aar_valve_of(values: Mapping[str, Any], one: AarValve) -> AarValve:
 
 
 def brake_of(values: Mapping[str, Any], one: TrainVehicle) -> VehicleBrake:
-    """Return a vehicle's brake by a row.
-
-    Parameters
-    ----------
-    values : mapping
-        The row, checked by `check_force`.
-    one : TrainVehicle
-        The vehicle with its mass, resistance and distributor, and with the brake of its kind.
-
-    Raises
-    ------
-    ValueError
-        If no brake has the stated force.
-    """
+    """Return a vehicle's brake by a row."""
     pressure, friction = one.distributor.full_pressure, friction_of(values)
     shoes = values.get("shoes", one.brake.shoes)
     if "cylinder_diameter" in values:

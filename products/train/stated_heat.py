@@ -93,13 +93,7 @@ def check_heat(values: Mapping[str, Any]) -> None:
 
 
 def heat_of(values: Mapping[str, Any], brake: VehicleBrake) -> BrakeHeat:
-    """Return the heat of a brake by a row that `check_heat` has checked; without masses it stays cold.
-
-    Raises
-    ------
-    ValueError
-        If the friction is not that of the stated body, or `fade_table` is not a table.
-    """
+    """Return the heat of a brake by a row that `check_heat` has checked; without masses it stays cold."""
     rubbed = next((number for number, one in BODIES.items() if one.mass in values), None)
     if rubbed is None:
         return NO_BRAKE_HEAT

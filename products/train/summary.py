@@ -89,18 +89,7 @@ class Summary:
 def summary_of(consist: Consist, speeds: Sequence[float]) -> Summary:
     """Return the numbers of a train.
 
-    Parameters
-    ----------
-    consist : Consist
-        The train.
-    speeds : sequence of float
-        Speeds [km/h] at which resistance and brake force are computed, and from which it stops in emergency braking on
-        level, dry track.
-
-    Raises
-    ------
-    ValueError
-        If a speed is out of the limits of a train.
+    Takes speeds [km/h].
     """
     kinds = []
     for one, several in groupby(consist.vehicles):

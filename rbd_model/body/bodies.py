@@ -111,12 +111,6 @@ def carry_along(data: RigidBody, body: Body, turning: Turning, held: frozenset[M
 
     The constraint of held motions does work, above all to turn the body: its energy is not constant where the track
     turns.
-
-    Raises
-    ------
-    ValueError
-        If it may turn about only some of its axes out of the vertical plane. The constraint of the others would need
-        the rate of the line's turning.
     """
     if turning.free.keys() not in (set(), {"pitch"}, set(ANGLES)):
         raise ValueError(f"{data.name} holds {', '.join(held & set(ANGLES))}; on a line hold all angles or none.")

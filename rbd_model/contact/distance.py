@@ -157,11 +157,6 @@ def touching(pair: Pair, stand: Stand) -> tuple[float, float]:
     Equation (3.77).
 
     The height of the stand is not used.
-
-    Raises
-    ------
-    ValueError
-        If the nearest place is an end of wheel or rail.
     """
     lifted = replace(stand, height=2 * pair.radius)
     on_wheel, gap = _searched(pair, lifted)

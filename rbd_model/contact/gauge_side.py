@@ -74,12 +74,8 @@ def gauge_side(points: Points, kind: str) -> GaugeSide | None:
     """Return the gauge side of an upright contour, rows (y, z) [m]; None if its shape does not determine it.
 
     A rail is laid inclined towards the middle of the track (section 4.3).
-    Parameters
-    ----------
-    points : array, shape (points, 2)
-        From one side to the other.
-    kind : str
-        "wheel" or "rail".
+
+    Takes points (points, 2).
     """
     if kind == "wheel":
         y, z = points.T

@@ -228,14 +228,7 @@ def contact_at(pair: Sides, shift: float, rolls: bool = True) -> ContactAtShift:
     Beyond the flange contact no balance exists. The roll of a wheel that climbs by dz moves its contact sideways by
     r/2b dz. This is more than the flange recedes, and the search ends on the flange's tip.
 
-    Parameters
-    ----------
-    pair : Sides
-        Wheels and rails of both sides.
-    shift : float
-        Shift of the axle to the left [m].
-    rolls : bool
-        If false, the wheelset stays level, as EN 15302 assumes for the equivalent conicity.
+    Takes shift [m].
     """
     left, right = (np.arange(*side.wheel.limits, GRID) for side in pair.both)
     return _touch(pair, shift, (left, right))[0] if rolls else _contact(pair, shift, 0.0, (left, right))[0]
@@ -337,11 +330,6 @@ def centred_shift(pair: Sides, rolls: bool = True) -> float:
 
     It is 0 for equal sides. This project decides: of several zeros of the radius difference, the one nearest to the
     middle of the track, as for equal sides; if the difference jumps over 0, the jump.
-
-    Raises
-    ------
-    ValueError
-        If no zero exists up to LARGEST_CENTRE.
     """
     if pair.left == pair.right:
         return 0.0
@@ -490,26 +478,7 @@ def equivalent_conicity(
     that of annex C, half the slope of the line that fits Dr best between the ends. This is 0 if the wheelset is not
     guided, and negative if it is driven outwards.
 
-    Parameters
-    ----------
-    pair : Sides
-        Wheels and rails of both sides.
-    amplitudes : array, shape (n,)
-        Amplitudes of the wave [m], above 0.
-    rolls : bool
-        If false, the wheelset stays level, as in EN 15302.
-    points : int, optional
-        Number of points of Dr; by default steps are at most STEP.
-
-    Returns
-    -------
-    array, shape (n,)
-        tan(gamma_e) at the amplitudes [1].
-
-    Raises
-    ------
-    ValueError
-        If an amplitude is not above 0, or as `centred_shift`.
+    Takes amplitudes [m] (n,); returns [1].
     """
     amplitudes = np.asarray(amplitudes, float)
     if not np.all(amplitudes > 0.0):

@@ -48,29 +48,7 @@ def read_profile(
     of the head of a rail, are ignored. Noise is smoothed once, by `profiles.smoothed`: EN 15302 leaves the method
     open and uses the conicity as the criterion.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-    kind : str
-        "wheel" or "rail"; by default that of the header or of the name's ending.
-    inclination : float
-        Slope by which a rail that stands upright in the file is laid towards the middle of the track.
-    side : str, optional
-        The side of the file's y towards the middle of the track, "y-" or "y+". The default is that of the flange. For
-        a rail it is the side to which the rail leans, or whose corner is worn. `Profile.gauge_side` holds the side and
-        the reason.
-    tape_circle : float, optional
-        y of a wheel's tape circle in the file [m]. By default it is 70 mm from the back of the flange if the contour
-        includes it, else the file's y = 0, or 70 mm from it if the flange begins there.
-    drop_outliers : bool
-        Whether points off the contour are left out, with a note; by default they are refused.
-
-    Raises
-    ------
-    ValueError
-        If the file is not one contour of this kind, if its gauge side or a wheel's tape circle is neither given nor can
-        be determined, or if a rail would lean outwards.
+    Takes tape_circle [m].
     """
     if kind not in ("", "wheel", "rail") or side not in (None, *SIDES):
         raise ValueError(f"kind must be wheel or rail and side y- or y+; got {kind!r} and {side!r}. Correct them.")
@@ -144,13 +122,7 @@ def _without_overhang(points: np.ndarray) -> np.ndarray:
 
 
 def _tape_circle(contour: Contour, points: np.ndarray, faces: GaugeSide, given: float | None) -> tuple[float, str]:
-    """Return y of the tape circle in points whose flange is at negative y [m], and a note.
-
-    Raises
-    ------
-    ValueError
-        If it is not given and neither the flange's back nor its flank is where one of the usual origins has them.
-    """
+    """Return y of the tape circle in points whose flange is at negative y [m], and a note."""
     turn = -1.0 if faces.side == "y+" else 1.0
     y, z = points.T
     if given is not None:

@@ -48,23 +48,7 @@ def pair_of(
 ) -> Sides:
     """Return wheels on rails, at the gauge of EN 13848-1 and the flange back of EN 13715.
 
-    Parameters
-    ----------
-    wheels, rails : sequence of Profile
-        Profiles of both sides, or one for both.
-    radii : sequence of float or None
-        Radii at the tape circles [m]; by default that of the wheel's file, or 0.46 m.
-    gauge : float, optional
-        Distance of the gauge faces 14 mm below the tops [m]; by default that of the rail's file, or 1.435 m. The y = 0
-        of both rails are 1.5 m apart, as in EN 15302, if this gives a gauge within 0.5 mm of 1.435 m. They are also
-        1.5 m apart if a rail ends above its gauge face.
-    flange_back : float, optional
-        Distance of the backs of the flanges [m]; by default 1.36 m.
-
-    Raises
-    ------
-    ValueError
-        If a number is out of its limits, a profile is too short, or the wheels do not rest on the rails' heads.
+    Takes radii [m], gauge [m], flange_back [m].
     """
     notes: list[str] = []
     wheel_pair, rail_pair = _both(wheels), _both(rails)
@@ -160,26 +144,14 @@ def _rail_places(rails: tuple[Profile, Profile], gauge: float | None, notes: lis
 
 
 def within(name: str, value: float, limits: tuple[float, float]) -> float:
-    """Return a length [m] that is within limits (EN 13848-1, EN 13715).
-
-    Raises
-    ------
-    ValueError
-        If it is not.
-    """
+    """Return a length [m] that is within limits (EN 13848-1, EN 13715)."""
     if not (math.isfinite(value) and limits[0] <= value <= limits[1]):
         raise ValueError(f"{name} must be from {limits[0]:g} to {limits[1]:g} m; got {value:g} m. Give metres.")
     return value
 
 
 def check_reach(profile: Profile, kind: str) -> None:
-    """Check that a profile has its tread or head on both sides of y = 0 (EN 13715).
-
-    Raises
-    ------
-    ValueError
-        If it has not.
-    """
+    """Check that a profile has its tread or head on both sides of y = 0 (EN 13715)."""
     low, high = (1e3 * limit for limit in profile.limits)
     # A rail may have any origin: it is laid by its gauge face.
     if kind == "rail" and high - low >= 2e3 * LEAST_REACH and reaches_gauge_depth(profile):
@@ -213,13 +185,7 @@ def on_rail(side: Side, on_wheel: float, outwards: float) -> float:
 
 
 def check_running(sides: Sides) -> None:
-    """Check that a centred wheelset rests on its treads and on the rails' heads, not on an end (section 4.3).
-
-    Raises
-    ------
-    ValueError
-        If it does not; the message says where it touches.
-    """
+    """Check that a centred wheelset rests on its treads and on the rails' heads, not on an end (section 4.3)."""
     centre = centred_shift(sides, rolls=False)
     contact = contact_at(sides, centre, rolls=False)
     if fault := fault_at(sides, contact):

@@ -56,27 +56,7 @@ PAIR_FILE = RecordFile(
 
 
 def write_pair(sides: Sides, path: str | Path) -> Path:
-    """Write the contact table of a pair of profiles (section 4.3), for the parameter `profile_file`.
-
-    Parameters
-    ----------
-    sides : Sides
-        Both wheels on their rails; they may differ.
-    path : str or Path
-        File to write.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    BadInputError
-        If contact model 2 cannot follow the contact of the pair.
-    StorageError
-        If the file cannot be written.
-    """
+    """Write the contact table of a pair of profiles (section 4.3), for the parameter `profile_file`."""
     record = pair_record(sides)
     rows = list(rows_of_record(record))
     numbers = [float(cell) for row in rows for cell in row.split(",") if number_in(cell)]
@@ -135,25 +115,7 @@ def rows_of_record(record: Record) -> Iterator[str]:
 
 
 def read_pairs(path: str | Path) -> tuple[Record, ...]:
-    """Return the contact tables in a file: those of `write_pair`, one after the other (section 4.3).
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Returns
-    -------
-    tuple of Record
-        Equal to each `pair_record` that was written.
-
-    Raises
-    ------
-    BadInputError
-        If the file is not a contact table, or is damaged; the message names row, value and limit.
-    FileError
-        If the file cannot be read as text.
-    """
+    """Return the contact tables in a file: those of `write_pair`, one after the other (section 4.3)."""
     reader = _Reader(str(path), rows_of(text_of(path), str(path)))
     found = [reader.root()]
     while reader.goes_on():

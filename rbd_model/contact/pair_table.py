@@ -101,14 +101,7 @@ PAIR = RecordKind(
 
 @lru_cache(maxsize=32)
 def pair_record(pair: Sides) -> Record:
-    """Return the contact table of a pair (section 4.3).
-
-    Raises
-    ------
-    BadInputError
-        If contact model 2 cannot follow the contact: it jumps on too many parts of a wheel, or a wheel bears on a
-        steep part of its field side.
-    """
+    """Return the contact table of a pair (section 4.3)."""
     shifts = np.arange(-LARGEST_SHIFT, LARGEST_SHIFT + STAND_PITCH / 2, STAND_PITCH).tolist()
     stands = [stand_on_treads(pair, shift) for shift in shifts]
     middle = stand_on_treads(pair, 0.0)

@@ -93,11 +93,6 @@ def parts_of(one: Side, least_ridge: float = 0.0, most: int | None = None) -> tu
     of EN 15302 in the flange root, the contact jumps every tenth of a millimetre. Parts are then joined again until
     each of them travels far enough, and until they are at most `most`. A part beyond the first one of the flange
     belongs to the flange, however flat it is: it is the flange's tip.
-
-    Raises
-    ------
-    ValueError
-        If the wheel touches its rail only at an end of its profile.
     """
     s = positions_of(one)
     gaps = gaps_of(one, s)
@@ -157,11 +152,6 @@ def offsets_of(one: Side) -> np.ndarray:
 
     Profiles may have any origin. The offsets therefore extend by REACH beyond 0 and beyond the offset of a centred
     wheelset.
-
-    Raises
-    ------
-    ValueError
-        If the half distances of wheel and rail differ by more than LARGEST_APART.
     """
     apart = one.wheel_half_distance - one.rail_half_distance
     if not abs(apart) <= LARGEST_APART:

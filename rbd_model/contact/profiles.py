@@ -94,20 +94,7 @@ def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike, measured: bo
     It is the least-squares spline, or for a measured contour `smoothed`. Points further apart than the knots are joined
     by straight lines, those of a measured contour by the smooth curve.
 
-    Parameters
-    ----------
-    name, source : str
-        Name of the profile, and origin of its points.
-    y, z : array, shape (n,)
-        Points of the contour [m], y increasing.
-    measured : bool
-        Whether the points may have noise, walls and large distances.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than FEWEST_POINTS points, a point is not finite, or y does not increase. Also if the breadth
-        is above LARGEST_BREADTH, because each KNOT_DISTANCE has a knot.
+    Takes y, z [m] (n,).
     """
     y_array, z_array = np.asarray(y, float), np.asarray(z, float)
     if y_array.size < FEWEST_POINTS or np.any(np.diff(y_array) <= 0.0) or not np.all(np.isfinite([y_array, z_array])):
@@ -144,12 +131,7 @@ def smoothed(y: np.ndarray, z: np.ndarray, length: float = SMOOTHING) -> BSpline
     A corner that is sharper than `length` allows is real if the mean of the points leaves the spline there by more than
     SHARP. The length is halved around it.
 
-    Parameters
-    ----------
-    y, z : array, shape (n,)
-        Points of the contour [m], y increasing.
-    length : float
-        Cut-off wavelength [m].
+    Takes y, z [m] (n,), length [m].
     """
     knots = _knots(y)
     edges, upright = knots[DEGREE:-DEGREE], 1 / (1 + np.gradient(z, y) ** 2)

@@ -181,25 +181,7 @@ class Choice:
 
 
 def recommend_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
-    """Return the least model that computes a case.
-
-    Parameters
-    ----------
-    driven : iterable of str
-        The inputs and parameters that the case changes.
-    read : iterable of str
-        The outputs that it uses.
-
-    Returns
-    -------
-    Choice
-        One bogie (BogieDynamics, of a vehicle with `one_bogie_of`) if it has all names, else the complete vehicle.
-
-    Raises
-    ------
-    ValueError
-        If no level has a name.
-    """
+    """Return the least model that computes a case."""
     needed = [*driven, *read]
     of_one_bogie: set[str] = set().union(*names_of_levels(False).values())
     beyond = [name for name in needed if name not in of_one_bogie]

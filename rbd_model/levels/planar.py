@@ -32,20 +32,7 @@ OUT_OF_PLANE: frozenset[Motion] = frozenset({"lateral", "roll", "yaw"})
 
 
 def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
-    """Return a vehicle in its vertical plane (section 5.2), by Newton's and Euler's equations; see the module's text.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Bodies, wheelsets and connections.
-    on_line : bool
-        True: with the gradients and vertical curves of the line of the instance.
-
-    Returns
-    -------
-    System
-        The equations.
-    """
+    """Return a vehicle in its vertical plane (section 5.2), by Newton's and Euler's equations; see the module."""
     first = vehicle.bodies[0]
     assembly = assemble("planar", "Bounce, pitch, load transfer, suspension", vehicle, f"{first.name}_", on_line)
     assembly = put_in_plane(assembly)

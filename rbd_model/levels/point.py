@@ -34,18 +34,6 @@ def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
     """Return a vehicle as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset.
 
     Masses add up.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Bodies, wheelsets and connections.
-    on_line : bool
-        True: with gradient and curvature of the line of the instance, instead of those inputs.
-
-    Returns
-    -------
-    System
-        The equations.
     """
     assembly = assemble("point", "Speed and wheel speeds, static loads", vehicle, "", on_line)
     system, distance, speed = assembly.system, assembly.distance, assembly.speed

@@ -69,24 +69,7 @@ OF_ANY_PROFILES = 2
 def spatial_vehicle(
     vehicle: Vehicle, track: Track, contact: Contact = ONE_RIGID_CONTACT, on_line: bool = False
 ) -> System:
-    """Return a vehicle in 3D on a track: the bogie of chapter 5, the wheelset in a frame of chapter 4, a wagon.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Bodies, wheelsets and connections.
-    track : Track
-        Irregularities and friction along the track.
-    contact : Contact
-        Contact model and creep law.
-    on_line : bool
-        True: the track follows the line of the instance.
-
-    Returns
-    -------
-    System
-        The equations.
-    """
+    """Return a vehicle in 3D on a track: the bogie of chapter 5, the wheelset in a frame of chapter 4, a wagon."""
     depth = DEPTHS[contact.depth]
     first = vehicle.bodies[0]
     assembly = assemble(depth.name, "3-D contact, hunting, derailment", vehicle, f"{first.name}_", on_line)

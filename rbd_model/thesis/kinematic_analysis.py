@@ -81,11 +81,6 @@ def drive_to(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequen
     """Return the state with these driving constraints in addition to the system's, eq. (3.79); near: first (q, s).
 
     The speed must be free.
-
-    Raises
-    ------
-    NoSolutionError
-        If no contact exists: the Newton-Raphson iteration diverges.
     """
     found, cut = near.copy(), mechanism.q_count
     for _ in range(MAXIMUM_ROUNDS):

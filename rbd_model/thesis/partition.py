@@ -51,11 +51,6 @@ def close_positions(
 
     coordinates: (q, s), shape (unknowns,), with exact independent and approximate dependent ones. This differs from the
     thesis: (3.122) has the minus sign on the wrong side; the Newton differences are -(C_qd C_sd)^-1 C.
-
-    Raises
-    ------
-    NoSolutionError
-        If the constraints have no solution near the coordinates.
     """
     found = coordinates.copy()
     for _ in range(MAXIMUM_ROUNDS):

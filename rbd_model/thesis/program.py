@@ -26,11 +26,6 @@ def step(mechanism: Mechanism, state: State, size: float, drive: Drive, partitio
     """Return the state after one step [s] of Runge-Kutta in the independent coordinates, eqs (3.117), (3.118).
 
     partition: by default chosen at the start of the step.
-
-    Raises
-    ------
-    NoSolutionError
-        If contact is lost.
     """
     if partition is None:
         partition = choose(mechanism.constraints(state.time, state.q, state.s)[1])

@@ -32,20 +32,7 @@ def curtius_kniffler(speed: ArrayLike) -> Numbers:
     Curtius and Kniffler (1950), Elektrische Bahnen; the formula is that of the documentation of Open Rails, the paper
     was not read.
 
-    Parameters
-    ----------
-    speed : array_like
-        Speed of the vehicle [m/s], at least 0.
-
-    Returns
-    -------
-    ndarray
-        Adhesion coefficient [1].
-
-    Raises
-    ------
-    ValueError
-        If a speed is below 0 or not a number.
+    Takes speed [m/s].
     """
     return np.asarray(at_speed(_at_least_0("speed", speed, "m/s")))
 

@@ -239,21 +239,6 @@ def track_from_file(path: Path) -> Track:
 
     Between points it is interpolated as a line file is between its rows (docs/line.md). Beyond the ends the first and
     last values apply.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    Track
-        The track.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read as it is meant; the message names file, row, column, value and remedy.
     """
     table = read_table(path, COLUMNS, by_position=True)
     table.check_rows(6)
@@ -266,24 +251,7 @@ def track_from_points(
 ) -> Track:
     """Return a track through points.
 
-    Parameters
-    ----------
-    distance : ndarray, shape (n,)
-        Increasing places [m].
-    lateral, left, right : ndarray, shape (n,)
-        Lateral shift of the track, and heights of the left and right rail [m].
-    friction : ndarray, shape (n,)
-        Factors of friction [1].
-
-    Returns
-    -------
-    Track
-        The track.
-
-    Raises
-    ------
-    ValueError
-        If points are too close.
+    Takes distance [m] (n,), lateral, left, right [m] (n,), friction [1] (n,).
     """
     names = ("left_lateral", "left_vertical", "right_vertical", "left_friction")
     line = Line.of_any_size({"distance": distance} | dict(zip(names, (lateral, left, right, friction), strict=True)))

@@ -459,23 +459,7 @@ def share_of_end(straight: np.ndarray, slope: np.ndarray, bend: np.ndarray, reac
 
 
 def read_line(path: Path) -> Line:
-    """Return the line in a file, by the rules of the kernel that reads it (fmu_src/runtime/table_file.c, line.c).
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    Line
-        The line.
-
-    Raises
-    ------
-    FileError
-        If the file is not a line; the message names file, row, column, value and remedy.
-    """
+    """Return the line in a file, by the rules of the kernel that reads it (fmu_src/runtime/table_file.c, line.c)."""
     table = read_table(path, LINE.columns)
     table.check_rows()
     table.check_growth("distance", LINE.least_growth)
@@ -618,23 +602,7 @@ def irregular(
 
     They grow after its start: QUIET, GROWTH.
 
-    Parameters
-    ----------
-    line : Line
-        A line without irregularities.
-    spectrum : Spectrum
-        Densities of the irregularities.
-    seed : int
-        Seed of the phases; equal seeds give equal tracks.
-    waves : tuple of float
-        Shortest and longest wave [m].
-    pitch : float
-        Distance of the rows [m].
-
-    Raises
-    ------
-    ValueError
-        If the pitch does not resolve the shortest wave.
+    Takes waves [m], pitch [m].
     """
     if not pitch * 8 <= waves[0] < waves[1]:
         raise ValueError(

@@ -66,11 +66,6 @@ def line_of_alignment(alignment: Alignment) -> SourcedLine:
 
     In an alignment whose lengths are those of the plan, distance, curvature and gradient are converted to those along
     the line.
-
-    Raises
-    ------
-    FileError
-        If a value is outside the limits of a line.
     """
     courses = [course(one, alignment.begin, alignment.end) for one in _quantities(alignment)]
     for name, (at, values) in zip(("curvature", "cant", "gradient"), courses, strict=True):

@@ -17,17 +17,7 @@ COLUMNS = {column.name: column for column in LINE.columns}
 
 
 def checked_rows(rows: Mapping[str, ArrayLike]) -> dict[str, Numbers]:
-    """Return the rows of a line as arrays of numbers.
-
-    Raises
-    ------
-    TypeError
-        If they are not columns by name.
-    KeyError
-        If a column is unknown.
-    ValueError
-        If distance is missing or does not grow, if columns are not equally long, or if a value is outside its limits.
-    """
+    """Return the rows of a line as arrays of numbers."""
     if not isinstance(rows, Mapping):
         raise TypeError(f"A line must have columns by name, such as distance; got a {type(rows).__name__}. Name them.")
     for name in rows:

@@ -119,14 +119,7 @@ def follow_line(system: System, distance: ca.SX, places: Sequence[ca.SX]) -> Non
     A step under a constant force may have any length, and none of its stages would meet a hill of some metres
     (section 2.3.1: gravity pulls along the gradient).
 
-    Parameters
-    ----------
-    system : System
-        The equations of a vehicle on a line.
-    distance : SX
-        The state that carries all places along [m].
-    places : sequence of SX
-        Where gradient, curvature or friction act [m].
+    Takes distance [m], places [m].
     """
     ways = []
     for place in places:

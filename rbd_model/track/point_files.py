@@ -58,15 +58,7 @@ class Points:
 
 
 def points_of(given: str | Path | ArrayLike) -> Points:
-    """Return points from a file or an array.
-
-    Raises
-    ------
-    FileError
-        If a file cannot be read, or its points are not a line.
-    BadInputError
-        If an array is not a list of points along a line.
-    """
+    """Return points from a file or an array."""
     if isinstance(given, str | Path):
         return _from_file(given)
     try:

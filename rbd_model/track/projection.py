@@ -20,10 +20,7 @@ AXIS, FLATTENING = 6_378_137.0, 1 / 298.257223563
 def transverse_mercator(latitude: Numbers, longitude: Numbers) -> tuple[Numbers, str]:
     """Return east and north [m], shape (n, 2), and a sentence about the projection.
 
-    Parameters
-    ----------
-    latitude, longitude : array, shape (n,)
-        Degrees on WGS 84. A line across 180 degrees is continued.
+    Takes latitude, longitude (n,).
     """
     turned = np.degrees(np.unwrap(np.radians(longitude)))
     middle = (turned.min() + turned.max()) / 2.0

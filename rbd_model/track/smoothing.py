@@ -88,21 +88,7 @@ class Smooth:
 def smooth(places: Numbers, samples: Numbers, pitch: float, noise: float | None = None) -> Smooth:
     """Return the smooth function through samples.
 
-    Parameters
-    ----------
-    places : array, shape (n,)
-        Growing places.
-    samples : array, shape (n, components)
-        Samples.
-    pitch : float
-        Distance of the knots, about that of the samples.
-    noise : float, optional
-        Standard deviation of a sample; by default it is estimated.
-
-    Returns
-    -------
-    Smooth
-        The function of the smoothing that generalised cross validation, or for a given noise the risk, prefers.
+    Takes places (n,), samples (n, components).
     """
     way = float(places[-1] - places[0])
     cells = max(math.ceil(way / pitch), 1)

@@ -227,21 +227,7 @@ def with_numbers(
 ) -> Coupler:
     """Return a coupler with numbers of its own in both directions, and those of a built-in one where not given.
 
-    Parameters
-    ----------
-    one : Coupler
-        The built-in coupler. With a stiffness, only its sticking stiffness remains.
-    stiffness : float, optional
-        Slope of the loading curve [N/m] (Hooke (1678)).
-    preload : float
-        Force at which that curve begins [N].
-    slack : float, optional
-        Travel without a force to either side [m]. Buffers under preload always touch, and have none.
-    damping : float, optional
-        Share by which the force of unloading is below that of loading. With a stiffness it is 0.5 by default, as of
-        buffers.
-    strength : float
-        Tension above which it breaks [N].
+    Takes stiffness [N/m], preload [N], slack [m], strength [N].
     """
     sticking = one.sticking_stiffness if stiffness is None else max(one.sticking_stiffness, stiffness)
     tension, compression = one.tension, one.compression

@@ -41,21 +41,7 @@ def energy_at(bends: Bends, way: float) -> float:
 def impact(one: Coupler, masses: tuple[float, float], speed: float, sense: str = "compression") -> Impact:
     """Return the impact of two vehicles that are free otherwise (Wu, Spiryagin and Cole (2016)).
 
-    Parameters
-    ----------
-    one : Coupler
-        The coupler between them.
-    masses : tuple of float
-        Their masses [kg].
-    speed : float
-        Relative speed at the begin [m/s].
-    sense : str
-        Whether the vehicles meet, `compression`, or part, `tension`.
-
-    Returns
-    -------
-    Impact
-        Its travel, force and energies.
+    Takes masses [kg], speed [m/s].
     """
     loading, unloading = one.bends(sense)
     reduced = masses[0] * masses[1] / (masses[0] + masses[1])

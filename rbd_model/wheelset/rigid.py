@@ -57,11 +57,6 @@ def place_rigid(assembly: Assembly, number: int, section: Callable[[int, ca.SX, 
     """Declare the states of a wheelset and compute its contact with the rails, by (3.54), (3.57) and (3.67).
 
     section: the track by wheelset and distance. The static load is the guess for the normal forces.
-
-    Raises
-    ------
-    ValueError
-        If the vehicle runs on a line, which the contact of the thesis does not model.
     """
     if assembly.on_line:
         raise ValueError("Contact model 1 runs on straight track alone, as in the thesis; take model 2 on a line.")
@@ -159,13 +154,7 @@ def add_contact_positions(assembly: Assembly, number: int) -> ca.SX:
 
 @lru_cache
 def check_one_contact(pair: Sides) -> None:
-    """Check that one moving contact describes a wheel, because model 1 has only one (section 9.4.1).
-
-    Raises
-    ------
-    ValueError
-        If the contact jumps before the wheelset has shifted by WITHOUT_JUMP.
-    """
+    """Check that one moving contact describes a wheel, because model 1 has only one (section 9.4.1)."""
     last, one = last_tread_contact(pair, WITHOUT_JUMP + JUMP_STEP, JUMP_STEP), pair.left
     elsewhere = abs(contact_at(pair, last.shift).position[0] - last.position[0]) > LONG_JUMP
     if elsewhere or last.shift < WITHOUT_JUMP - JUMP_STEP / 2:

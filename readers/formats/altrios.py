@@ -54,13 +54,7 @@ LEFT_OF_TRAIN = {
 
 
 def read_altrios(path: Path) -> Imported:
-    """Return the train of a file: one car, cars with numbers of them, or locomotives.
-
-    Raises
-    ------
-    FileError
-        If the file is not one of these, a car is missing, or a number is missing or outside its limits.
-    """
+    """Return the train of a file: one car, cars with numbers of them, or locomotives."""
     read = yaml_of(path)
     if not isinstance(read, dict):
         raise FileError(f"{path} must be a rolling stock or a train of ALTRIOS; got {shown(read)}. Give another file.")

@@ -30,20 +30,7 @@ NEXT = ("idx_next", "idx_next_alt")
 
 
 def read_altrios_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
-    """Return the line over links.
-
-    Parameters
-    ----------
-    path : Path
-        File of a network.
-    asked : sequence of str
-        Indices of the links in their order, `-` behind one that is run backwards.
-
-    Raises
-    ------
-    FileError
-        If the file is not a network, a link is missing, or a number is outside its limits.
-    """
+    """Return the line over links."""
     source = str(path)
     read = yaml_of(path, LARGEST)
     links = _links(read, source)

@@ -20,22 +20,7 @@ QUOTE = '"'
 
 
 def read(rows: Rows, text: str, source: str, kind: str) -> Contour:
-    """Return the contour of a table of y, z, with keys or a head before it.
-
-    Parameters
-    ----------
-    rows : list of (int, str)
-        Numbers and texts of the rows with content.
-    text : str
-        The whole text, for the keys in remarks.
-    source, kind : str
-        Name of the file in messages, and "wheel" or "rail".
-
-    Raises
-    ------
-    TableError
-        If a key would change the points, or the points are not one table.
-    """
+    """Return the contour of a table of y, z, with keys or a head before it."""
     header = Header(source, of_miniprof=bool(MARKS.search("\n".join(lines_of(text)))))
     taken_out = 0
     if header.of_miniprof:

@@ -22,16 +22,7 @@ SMALL = 1e-3
 def drive_table(column: str, points: Sequence[tuple[float, float]], field: str, notes: Notes) -> Row:
     """Return a row with a table of a drive, or an empty one if the points are not such a table.
 
-    Parameters
-    ----------
-    column : str
-        `traction_table` or `dynamic_table`.
-    points : sequence of (float, float)
-        Speeds [km/h] and forces [N] in any number.
-    field : str
-        Name of the field in the file, for notes.
-    notes : Notes
-        Where it is noted what is taken, with the largest deviation, or why it is left out.
+    Takes points [km/h].
     """
     if not is_table(points):
         notes.left(

@@ -50,20 +50,7 @@ LEFT = {
 
 
 def read_landxml(path: Path, asked: Sequence[str] = ()) -> Alignment:
-    """Return the line of one alignment.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    asked : sequence of str
-        The name of the alignment; may be empty if the file has one.
-
-    Raises
-    ------
-    FileError
-        If the file is not LandXML, the alignment is missing, or an element cannot be read.
-    """
+    """Return the line of one alignment."""
     source = str(path)
     root = xml_of(path)
     found = {one.get("name") or f"{number}": one for number, one in enumerate(inside(root, "Alignment"), 1)}

@@ -48,17 +48,7 @@ def listed(names: Iterable[str]) -> str:
 def route_of(tracks: Mapping[str, float], asked: Sequence[str], source: str) -> list[tuple[str, bool]]:
     """Return the names of a route's tracks, each with whether it is run backwards.
 
-    Parameters
-    ----------
-    tracks : mapping of str to float
-        Lengths of the tracks [m] by name.
-    asked : sequence of str
-        Names in the order of the route, `-` behind one that is run backwards; empty: the only track.
-
-    Raises
-    ------
-    FileError
-        If the file has several tracks and none is asked for, or not the one that is.
+    Takes tracks [m].
     """
     if not tracks:
         raise FileError(f"{source} must have tracks with a length; got none. Give another file.")

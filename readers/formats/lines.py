@@ -32,20 +32,7 @@ def is_foreign_line(path: Path) -> bool:
 
 
 def read_foreign_line(path: Path, tracks: Sequence[str] = ()) -> Alignment:
-    """Return the line in a file of OSRD, ALTRIOS, railML or LandXML.
-
-    Parameters
-    ----------
-    path : Path
-        The file; its name ends in .json, .yaml, .yml, .railml or .xml.
-    tracks : sequence of str
-        Tracks of the route in their order, `-` behind one that is run backwards; empty: the only track.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read as its program's, or the tracks are not in it.
-    """
+    """Return the line in a file of OSRD, ALTRIOS, railML or LandXML."""
     suffix = path.suffix.lower()
     if suffix == XML:
         root = xml_of(path).tag

@@ -125,22 +125,7 @@ def is_mpt(text: str) -> bool:
 
 
 def read_mpt(rows: Rows, source: str, kind: str, part: int | None, key_and_value: KeyAndValue) -> Contour:
-    """Return one profile of an .mpt file.
-
-    Parameters
-    ----------
-    rows, source, kind
-        As `readers.formats.simpack.read`.
-    part : int, optional
-        Number of the profile; by default the only one, or the only one of this kind.
-    key_and_value : callable
-        Returns key and value of a row of a header, or None.
-
-    Raises
-    ------
-    TableError
-        If the file has several such profiles and none is chosen, or not this one.
-    """
+    """Return one profile of an .mpt file."""
     headers, bodies = _parts(rows, source, key_and_value)
     numbers = sorted(bodies)
     if not numbers:

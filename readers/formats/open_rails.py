@@ -22,13 +22,7 @@ LISTED = 3
 
 
 def read_open_rails(path: Path) -> Imported:
-    """Return the train of a .con file, or the vehicle of an .eng or .wag file.
-
-    Raises
-    ------
-    FileError
-        If a file cannot be read, is not whole, includes itself, is missing, or has no mass or length.
-    """
+    """Return the train of a .con file, or the vehicle of an .eng or .wag file."""
     notes = Notes()
     if path.suffix.lower() == ".con":
         entries = _entries(path, notes)

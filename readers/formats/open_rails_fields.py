@@ -47,22 +47,7 @@ class Fields:
         return name.lower() in self.blocks
 
     def number(self, name: str, quantity: str, at: int = 0) -> float | None:
-        """Return a number of a field in the unit of its quantity, None if the file does not have it.
-
-        Parameters
-        ----------
-        name : str
-            The field.
-        quantity : str
-            A name in FACTORS.
-        at : int
-            Which of its numbers, from 0.
-
-        Raises
-        ------
-        FileError
-            If the field begins with another word than a number, or its unit is unknown.
-        """
+        """Return a number of a field in the unit of its quantity, None if the file does not have it."""
         block = self.blocks.get(name.lower())
         if block is None:
             return None

@@ -26,17 +26,7 @@ FAR = 0.05
 
 
 def friction_of_table(fields: Fields, notes: Notes, at_rims: bool) -> Row:
-    """Return the friction of ORTSBrakeShoeFriction, a row without columns if the file has no such table.
-
-    Parameters
-    ----------
-    fields : Fields
-        The vehicle.
-    notes : Notes
-        Where the deviation of the fit is told.
-    at_rims : bool
-        Whether the force of the brake is that at the rims, behind the friction at standstill.
-    """
+    """Return the friction of ORTSBrakeShoeFriction, a row without columns if the file has no such table."""
     table = _table(fields)
     if not table:
         return {}
@@ -62,10 +52,7 @@ def friction_of_table(fields: Fields, notes: Notes, at_rims: bool) -> Row:
 def fitted(speeds: np.ndarray, frictions: np.ndarray) -> tuple[float, float, float]:
     """Return friction at a high speed, V2 [km/h] and the largest relative deviation of the fit to a table.
 
-    Parameters
-    ----------
-    speeds, frictions : array, shape (rows,)
-        The table: speeds that grow [km/h], and friction [1], linear between the rows and constant outside.
+    Takes speeds, frictions [km/h] (rows,).
     """
     at = np.linspace(0.0, speeds[-1], SAMPLES)
     wanted = np.interp(at, speeds, frictions)

@@ -118,13 +118,7 @@ class Reader:
         self._included = 0
 
     def read(self, path: Path) -> Block:
-        """Return a block without a name that has the content of a file.
-
-        Raises
-        ------
-        FileError
-            If the file cannot be read, nests too deeply, ends inside a field, or includes itself.
-        """
+        """Return a block without a name that has the content of a file."""
         root = Block("")
         self._add(path, root, ())
         return root

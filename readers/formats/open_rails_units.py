@@ -108,15 +108,7 @@ def units_of(quantity: str) -> list[str]:
 
 
 def measured(text: str, quantity: str) -> tuple[float, str] | None:
-    """Return a number in the unit of its quantity, and the unit that is written, or None if it cannot be read.
-
-    Parameters
-    ----------
-    text : str
-        A word of a file, such as 44t, 31300lbf or 220kN#remark.
-    quantity : str
-        A name in FACTORS.
-    """
+    """Return a number in the unit of its quantity, and the unit that is written, or None if it cannot be read."""
     found = NUMBER.fullmatch(text.strip())
     if found is None:
         return None

@@ -45,12 +45,7 @@ def service_share(fields: Fields, most: float | None, reference: float | None) -
 
     Boyle's law in gauge pressures, from a pipe of 90 psi: 90 r / (1 + r), at most the largest pressure.
 
-    Parameters
-    ----------
-    fields : Fields
-        The vehicle, which may state the ratio r of reservoir to cylinder.
-    most, reference : float or None
-        Largest cylinder pressure, and that of the stated force [bar]; None: not stated.
+    Takes most, reference [bar].
     """
     ratio = fields.number("TripleValveRatio", "1")
     ratio = ratio if ratio and ratio > 0.0 else RATIO

@@ -72,11 +72,6 @@ def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block], float]:
     """Return a vehicle as a row without coupler, its couplings in the order of the file, and its share of drag.
 
     The share is that of the drag of a locomotive that does not lead the train.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, or has no mass or length.
     """
     reader = Reader()
     root = reader.read(path)

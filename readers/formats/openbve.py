@@ -93,13 +93,7 @@ BRAKES = ("electromagnetic straight air brake", "electric command brake", "autom
 
 
 def read_openbve(path: Path) -> Imported:
-    """Return the train of a train.dat.
-
-    Raises
-    ------
-    FileError
-        If the file is not a train.dat, or a number is outside its limits; the message names the row.
-    """
+    """Return the train of a train.dat."""
     notes = Notes()
     sections = _sections(path, notes)
     given = {name: _number(name, sections, path, notes) for name in NUMBERS}
@@ -168,15 +162,7 @@ def _read(text: str, name: str, limits: tuple[float, float], place: str) -> floa
 
 
 def motor_cars(motors: int, trailers: int, front: bool) -> list[bool]:
-    """Return whether each car from the head is a motor car, by OpenBVE's rule.
-
-    Parameters
-    ----------
-    motors, trailers : int
-        Numbers of cars.
-    front : bool
-        Whether the first car is a motor car.
-    """
+    """Return whether each car from the head is a motor car, by OpenBVE's rule."""
     cars = motors + trailers
     if trailers == 0:
         return [True] * cars

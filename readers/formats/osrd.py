@@ -56,13 +56,7 @@ LEFT = {
 
 
 def read_osrd(path: Path) -> Imported:
-    """Return the train of a rolling-stock file.
-
-    Raises
-    ------
-    FileError
-        If the file is not a rolling stock, or a number is missing or outside its limits.
-    """
+    """Return the train of a rolling-stock file."""
     read = document(text_of(path, LARGEST).encode(), str(path))
     if not isinstance(read, dict) or not {"length", "mass"} <= read.keys():
         raise FileError(f"{path} must be a rolling stock with length and mass; got {shown(read)}. Give another file.")
@@ -153,13 +147,7 @@ def _resistance(read: dict[str, Any], mass: float, source: str, notes: Notes) ->
 
 
 def _unit_of_resistance(found: dict[str, float], mass: float, source: str) -> float:
-    """Return 1 for a resistance of the whole train of a mass [t], or the mass [kg] for one per kilogram.
-
-    Raises
-    ------
-    FileError
-        If neither is the resistance of a train, or both are.
-    """
+    """Return 1 for a resistance of the whole train of a mass [t], or the mass [kg] for one per kilogram."""
     fast = found["A"] + found["B"] * FAST + found["C"] * FAST**2
     if fast == 0.0:
         return 1.0

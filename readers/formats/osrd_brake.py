@@ -25,24 +25,7 @@ Curve = tuple[list[float], list[float]]
 def brake_params_of(read: Any, source: str) -> tuple[dict[str, Curve], dict[str, float]] | None:
     """Return the ETCS brake parameters of a rolling stock.
 
-    Parameters
-    ----------
-    read : object
-        Content of the file.
-    source : str
-        Its name in messages.
-
-    Returns
-    -------
-    curves : dict
-        Boundaries [m/s] and values of each step function, by its name.
-    times : dict
-        Times [s] by their names. None instead of both if the rolling stock has no such parameters.
-
-    Raises
-    ------
-    FileError
-        If a parameter is missing, unknown, or not of its form, or the places of OSRD's versions differ.
+    Returns curves [m/s], times [s].
     """
     if not isinstance(read, dict):
         return None

@@ -31,20 +31,7 @@ ROUNDING = 1e-3
 
 
 def read_osrd_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
-    """Return the line over track sections.
-
-    Parameters
-    ----------
-    path : Path
-        File of an infrastructure.
-    asked : sequence of str
-        Identifiers of the track sections in their order, `-` behind one that is run backwards.
-
-    Raises
-    ------
-    FileError
-        If the file is not an infrastructure, a section is missing, or a number is outside its limits.
-    """
+    """Return the line over track sections."""
     source = str(path)
     read = document(text_of(path, LARGEST).encode(), source)
     sections = {text_in(one, "id", f"{source}, track section"): one for one in list_in(read, "track_sections", source)}

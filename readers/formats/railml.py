@@ -22,13 +22,7 @@ LISTED = 5
 
 
 def read_railml(path: Path) -> Imported:
-    """Return the train of a railML file: its first formation, otherwise each of its vehicles once.
-
-    Raises
-    ------
-    FileError
-        If the file is not railML with rolling stock, a vehicle is missing, or a number is outside its limits.
-    """
+    """Return the train of a railML file: its first formation, otherwise each of its vehicles once."""
     root = xml_of(path)
     stock = root if root.tag == "rollingstock" else next(inside(root, "rollingstock"), None)
     vehicles = list(inside(stock, "vehicle")) if stock is not None else []

@@ -53,20 +53,7 @@ class Change:
 
 
 def read_railml_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
-    """Return the line over tracks.
-
-    Parameters
-    ----------
-    path : Path
-        The file, of version 2 or 3.
-    asked : sequence of str
-        Identifiers or names of tracks (version 2) or net elements (version 3), `-` behind one that is run backwards.
-
-    Raises
-    ------
-    FileError
-        If the file is not railML with such tracks, or a number is missing or outside its limits.
-    """
+    """Return the line over tracks."""
     source, root = str(path), xml_of(path)
     found = next(inside(root, "infrastructure"), root)
     if root.tag not in ("railml", "railML", "infrastructure"):

@@ -34,24 +34,7 @@ def number_of(element: ET.Element, name: str, limits: tuple[float, float], sourc
 
 
 def table_of(element: ET.Element, quantity: str, source: str, notes: Notes) -> list[tuple[float, float]]:
-    """Return the rows of a valueTable inside an element: speed [km/h] and value [SI], sorted by speed.
-
-    Parameters
-    ----------
-    element : Element
-        The element.
-    quantity : str
-        `force` or `acceleration`.
-    source : str
-        Begin of messages.
-    notes : Notes
-        Receives the units that the table does not state.
-
-    Raises
-    ------
-    FileError
-        If a unit is unknown or of another quantity, a number cannot be read, or a speed occurs twice.
-    """
+    """Return the rows of a valueTable inside an element: speed [km/h] and value [SI], sorted by speed."""
     table = next(inside(element, "valueTable"), None)
     if table is None:
         return []

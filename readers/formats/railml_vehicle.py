@@ -40,13 +40,7 @@ WEIGHT = (0.0, 5000.0)
 
 
 def vehicle_of(vehicle: ET.Element, source: str, notes: Notes) -> Row:
-    """Return a vehicle as a row.
-
-    Raises
-    ------
-    FileError
-        If mass or length is missing, or a number is outside its limits.
-    """
+    """Return a vehicle as a row."""
     place = f"{source}, vehicle {shown(vehicle.get('id', '?'))}"
     mass = _mass(vehicle, place, notes)
     length = number_of(vehicle, "length", (0.5, 5000.0), place)
@@ -119,13 +113,7 @@ def _resistance(vehicle: ET.Element, mass: float, place: str, notes: Notes) -> R
 
 
 def davis_of_train(element: ET.Element, weight: float, place: str, notes: Notes) -> tuple[float, float, float] | None:
-    """Return a, b, c in SI of an element with a weight [N]: Davis' formula, coefficients, or a table, else None.
-
-    Raises
-    ------
-    FileError
-        If a number or a unit cannot be read.
-    """
+    """Return a, b, c in SI of an element with a weight [N]: Davis' formula, coefficients, or a table, else None."""
     davies = next(inside(element, "daviesFormulaFactors", "davisFormulaFactors"), None)
     if davies is not None:
         return _davies(davies, place, notes)

@@ -77,22 +77,7 @@ class _File:
 
 
 def read(rows: Rows, source: str, kind: str) -> Contour:
-    """Return the contour of a SIMPACK profile.
-
-    Parameters
-    ----------
-    rows : list of (int, str)
-        Numbers and texts of the rows with content.
-    source : str
-        Name of the file in messages.
-    kind : str
-        "wheel", "rail", or "" for that of the header.
-
-    Raises
-    ------
-    TableError
-        If a block or a key is not as this project applies it.
-    """
+    """Return the contour of a SIMPACK profile."""
     file = _blocks(rows, source)
     found = _check_header(file, kind)
     scale, angle, notes = _units(file)

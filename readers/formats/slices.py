@@ -18,13 +18,7 @@ def is_slices(rows: Rows) -> bool:
 
 
 def slice_of(rows: Rows, source: str, number: int | None) -> tuple[Path, str]:
-    """Return the path of one slice, and a note; slices are numbered from 1.
-
-    Raises
-    ------
-    TableError
-        If none is chosen, because a vehicle runs on profiles that are the same everywhere, or if it does not exist.
-    """
+    """Return the path of one slice, and a note; slices are numbered from 1."""
     names = [(found[1], found[3]) for _, row in rows if (found := SLICE.match(row))]
     if number is None or not 1 <= number <= len(names):
         one = f"one of its {len(names)} slices, as in {source}#1" if names else "one slice"

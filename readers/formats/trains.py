@@ -34,18 +34,7 @@ def program_of(path: Path) -> str:
 
 
 def read_foreign(path: Path) -> Imported:
-    """Return the train in a file of another program.
-
-    Parameters
-    ----------
-    path : Path
-        A file with one of the suffixes in FORMATS.
-
-    Raises
-    ------
-    FileError
-        If the suffix is another, or the file cannot be read as its program's; the message names place and remedy.
-    """
+    """Return the train in a file of another program."""
     found = FORMATS.get(path.suffix.lower())
     if found is None:
         raise FileError(

@@ -71,13 +71,7 @@ def _shared_table(text: str, parts: int) -> str:
 
 
 def fitting(row: Row, notes: Notes, source: str) -> list[Row]:
-    """Return a vehicle, divided where it is longer or heavier than a vehicle of a consist may be.
-
-    Raises
-    ------
-    FileError
-        If mass or length cannot be those of a vehicle.
-    """
+    """Return a vehicle, divided where it is longer or heavier than a vehicle of a consist may be."""
     length, mass = float(row["length"]), float(row["mass"])
     parts = max(math.ceil(length / LONGEST), math.ceil(mass / HEAVIEST), 1)
     if parts > 1:

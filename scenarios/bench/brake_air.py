@@ -45,13 +45,7 @@ def kernel_of(compiled: Library, ready: ReadySet, **values: float) -> Kernel:
 
 
 def crossing(record: dict[str, list[float]], pressure: float) -> float:
-    """Return the first time [s] at which the recorded pressure passes a value [Pa], in either direction.
-
-    Raises
-    ------
-    ValueError
-        If the pressure never passes the value.
-    """
+    """Return the first time [s] at which the recorded pressure passes a value [Pa], in either direction."""
     found = record["cylinder_pressure"]
     for number in range(1, len(found)):
         before, after = found[number - 1] - pressure, found[number] - pressure

@@ -88,15 +88,7 @@ class Climb:
 def instants(library: Library, friction: float, yaw: float, gauge_face: float = 1.0) -> Iterator[Kernel]:
     """Yield the kernel every INTERVAL under a growing push to the left, until the run ends.
 
-    Parameters
-    ----------
-    library : Library
-    friction : float
-        Friction of the rails [1].
-    yaw : float
-        Angle of attack [rad].
-    gauge_face : float
-        Factor on the friction of the rails' gauge faces [1].
+    Takes yaw [rad].
     """
     start = {"initial_lateral": START, "initial_yaw": yaw}
     kernel = Kernel(library, initial_speed=SPEED, friction_1=friction, gauge_face_friction=gauge_face, **start)
@@ -116,15 +108,7 @@ def instants(library: Library, friction: float, yaw: float, gauge_face: float = 
 def push(library: Library, friction: float, yaw: float, gauge_face: float = 1.0) -> Climb:
     """Return the course of a growing push to the left.
 
-    Parameters
-    ----------
-    library : Library
-    friction : float
-        Friction of the rails [1].
-    yaw : float
-        Angle of attack [rad].
-    gauge_face : float
-        Factor on the friction of the rails' gauge faces [1].
+    Takes yaw [rad].
     """
     noted = []
     for kernel in instants(library, friction, yaw, gauge_face):

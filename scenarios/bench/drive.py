@@ -96,23 +96,7 @@ def play(
 ) -> Recording:
     """Run a kernel and record it every `interval` s and at each corner of an input.
 
-    Parameters
-    ----------
-    name : str
-        Name of the FMU, whose units the recording takes.
-    kernel : Kernel
-    duration : float
-        Time to simulate [s].
-    interval : float
-        Recording interval [s].
-    record : sequence of str
-        Names of the recorded variables.
-    inputs : mapping of str to History
-
-    Returns
-    -------
-    Recording
-        Its last row is the instant at which the run ended.
+    Takes duration [s], interval [s].
     """
     corners = {time for history in inputs.values() for time, _ in history if 0.0 < time < duration}
     edges = [0.0, *sorted(corners), duration]

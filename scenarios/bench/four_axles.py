@@ -11,15 +11,7 @@ def rigid_axle_loads(p: VehicleParameters, deceleration: float, torque: float, r
     springs. These springs, the traction rods and the primary springs deflect along axes that pitch with the frames, so
     that the masses above are displaced ahead.
 
-    Parameters
-    ----------
-    p : VehicleParameters
-    deceleration : float
-        Deceleration [m/s2].
-    torque : float
-        Torque of the brake of each wheelset [N.m].
-    reaction : float
-        Share of the torque that reacts on the frame [1].
+    Takes deceleration [m/s2], torque [N.m].
     """
     pivot, base, radius = p.pivot_distance / 2, p.wheel_base / 2, p.wheel_radius
     spring, body = p.secondary_height + radius, p.body_height + radius

@@ -36,20 +36,7 @@ def choked_mass_flow(area: float, pressure: float, temperature: float) -> float:
 def choked_filling_time(vessel: Vessel, supply: float, temperature: float, start: float, end: float) -> float:
     """Return the time between two pressures while the restriction is choked: the pressure is linear in time.
 
-    Parameters
-    ----------
-    vessel : Vessel
-    supply : float
-        Absolute pressure of the supply [Pa].
-    temperature : float
-        Temperature of the supply [K].
-    start, end : float
-        Absolute pressures in the vessel [Pa].
-
-    Returns
-    -------
-    float
-        Time [s].
+    Takes supply [Pa], temperature [K], start, end [Pa]; returns [s].
     """
     flow = choked_mass_flow(vessel.area, supply, temperature)
     return (end - start) * vessel.volume / (vessel.exponent * GAS_CONSTANT * temperature * flow)
@@ -58,20 +45,7 @@ def choked_filling_time(vessel: Vessel, supply: float, temperature: float, start
 def unchoked_filling_time(vessel: Vessel, supply: float, temperature: float, start: float, end: float) -> float:
     """Return the time between two pressures beyond the critical ratio: proportional to the difference of sqrt(1 - y).
 
-    Parameters
-    ----------
-    vessel : Vessel
-    supply : float
-        Absolute pressure of the supply [Pa].
-    temperature : float
-        Temperature of the supply [K].
-    start, end : float
-        Absolute pressures in the vessel [Pa].
-
-    Returns
-    -------
-    float
-        Time [s].
+    Takes supply [Pa], temperature [K], start, end [Pa]; returns [s].
     """
     roots = [math.sqrt(1 - (pressure / supply) ** _Y) for pressure in (start, end)]
     speed = vessel.exponent * vessel.area * math.sqrt(GAS_CONSTANT * temperature) / vessel.volume
@@ -83,18 +57,7 @@ def choked_venting_time(vessel: Vessel, temperature: float, start: float, end: f
 
     p / p_0 = (1 + a K t)^(-1/a) with a = (n - 1) / 2n, which is exponential for n = 1.
 
-    Parameters
-    ----------
-    vessel : Vessel
-    temperature : float
-        Temperature of the air at the first pressure [K].
-    start, end : float
-        Absolute pressures in the vessel [Pa].
-
-    Returns
-    -------
-    float
-        Time [s].
+    Takes temperature [K], start, end [Pa]; returns [s].
     """
     speed = choked_mass_flow(vessel.area, start, temperature) * GAS_CONSTANT * temperature / (vessel.volume * start)
     power = (vessel.exponent - 1) / (2 * vessel.exponent)

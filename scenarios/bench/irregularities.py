@@ -59,20 +59,7 @@ def travel(
 ) -> tuple[Kernel, Recording]:
     """Run over one irregularity at a constant speed, in the thesis's interpretation unless `values` change it.
 
-    Parameters
-    ----------
-    kind : Irregularity
-    speed : float
-        Constant speed [m/s].
-    record : sequence of str
-        Recorded variables; by default those that are drawn.
-    values
-        Further parameters of the bogie.
-
-    Returns
-    -------
-    tuple of Kernel and Recording
-        The kernel at the end of the run, and the recording.
+    Takes speed [m/s].
     """
     read = record or ("distance", *kind.shown)
     scene = AS_PRINTED | {"constant_speed": 1, kind.name: kind.amplitude} | values

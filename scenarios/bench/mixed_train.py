@@ -81,18 +81,7 @@ class MixedTrain:
 
 
 def mixed(coupler: Coupler, level: int, way: str, share: float = 0.4) -> MixedTrain:
-    """Return the train at SPEED, with couplers without force.
-
-    Parameters
-    ----------
-    coupler : Coupler
-    level : int
-        Level of the detailed vehicle.
-    way : str
-        One of WAYS.
-    share : float
-        Step of the couplers over their limit [1].
-    """
+    """Return the train at SPEED, with couplers without force."""
     train = Train(consist_of(coupler), speed=SPEED, settings=Settings(share=share))
     vehicle = prepare("vehicle", level=level, initial_speed=SPEED)
     vehicle.initialise()
@@ -164,15 +153,7 @@ def linear_vehicle(level: int) -> Linear:
 def growth(way: str, size: float, stiffness: float, vehicle: Linear) -> float:
     """Return the spectral radius of a macro step with linear couplers [1]; 1: disturbances neither grow nor decay.
 
-    Parameters
-    ----------
-    way : str
-        One of WAYS.
-    size : float
-        Macro step [s].
-    stiffness : float
-        Stiffness of the couplers [N/m].
-    vehicle : Linear
+    Takes size [s], stiffness [N/m].
     """
     n, m = 2 * VEHICLES, len(vehicle.c)
     own, driven = _held_exactly(vehicle.a, vehicle.b, size)
@@ -204,20 +185,7 @@ def growth(way: str, size: float, stiffness: float, vehicle: Linear) -> float:
 def boundary(way: str, stiffness: float, vehicle: Linear, least: float = 1e-4, most: float = 0.2) -> float:
     """Return the largest stable macro step with linear couplers.
 
-    Parameters
-    ----------
-    way : str
-        One of WAYS.
-    stiffness : float
-        Stiffness of the couplers [N/m].
-    vehicle : Linear
-    least, most : float
-        Searched range [s].
-
-    Returns
-    -------
-    float
-        Macro step [s]; 0 or infinity if it is outside the range.
+    Takes stiffness [N/m], least, most [s]; returns [s].
     """
 
     def beyond(size: float) -> float:
@@ -250,16 +218,7 @@ def spring(stiffness: float) -> Coupler:
 def grows(way: str, level: int, stiffness: float, size: float) -> bool:
     """Return whether a small disturbance of a rolling train grows.
 
-    Parameters
-    ----------
-    way : str
-        One of WAYS.
-    level : int
-        Level of the detailed vehicle.
-    stiffness : float
-        Stiffness of the couplers [N/m].
-    size : float
-        Macro step [s].
+    Takes stiffness [N/m], size [s].
     """
     one = mixed(spring(stiffness), level, way, share=FINE)
     state = one.train.motion
@@ -280,21 +239,7 @@ def grows(way: str, level: int, stiffness: float, size: float) -> bool:
 def found_boundary(way: str, level: int, stiffness: float, paper: float) -> float:
     """Return the largest step without growth, by bisection from 0.75 to 1.25 of the predicted one.
 
-    Parameters
-    ----------
-    way : str
-        One of WAYS.
-    level : int
-        Level of the detailed vehicle.
-    stiffness : float
-        Stiffness of the couplers [N/m].
-    paper : float
-        Predicted step [s].
-
-    Returns
-    -------
-    float
-        Macro step [s]; NaN if it is outside the range.
+    Takes stiffness [N/m], paper [s]; returns [s].
     """
     low, high = 0.75 * paper, 1.25 * paper
     if grows(way, level, stiffness, low) or not grows(way, level, stiffness, high):

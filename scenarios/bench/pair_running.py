@@ -71,13 +71,7 @@ class Running:
 def running_of(
     sides: Sides, shifts: NDArray[np.float64] = FILE_SHIFTS, amplitudes: NDArray[np.float64] = FILE_AMPLITUDES
 ) -> Running:
-    """Return the contact of a level wheelset over shifts and amplitudes [m].
-
-    Raises
-    ------
-    ValueError
-        If the wheels nowhere roll on equal radii, or stand beside the rails.
-    """
+    """Return the contact of a level wheelset over shifts and amplitudes [m]."""
     centre = centred_shift(sides, rolls=False)
     conicity = Recording({"amplitude": "m"}, [[amplitude] for amplitude in amplitudes])
     conicity.add("equivalent_conicity", "1", equivalent_conicity(sides, amplitudes, rolls=False))

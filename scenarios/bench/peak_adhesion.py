@@ -130,17 +130,7 @@ class PeakAdhesion:
         If the brake limits the deceleration everywhere, the result is the brake's distance and independent of the rail:
         see `used`.
 
-        Parameters
-        ----------
-        speed : float
-            Initial speed [m/s].
-        brake_ratio : float
-            Torque over that of the full brake [1].
-
-        Raises
-        ------
-        ValueError
-            If the vehicle does not stop within the longest time of a stop.
+        Takes speed [m/s].
         """
         return self._distance(speed, STANDING, brake_ratio)
 
@@ -184,16 +174,7 @@ class PeakAdhesion:
     def asked(self, time: float, speed: float, start: float, brake_ratio: float) -> float:
         """Return the deceleration, or driven acceleration, that is demanded of brake or motors [m/s2].
 
-        Parameters
-        ----------
-        time : float
-            Time of the run [s]; the demand begins at BRAKE_START.
-        speed : float
-            Present speed [m/s].
-        start : float
-            Initial speed [m/s].
-        brake_ratio : float
-            Torque over that of the full brake [1].
+        Takes time [s], speed [m/s], start [m/s].
         """
         since, machine = time - BRAKE_START, self.machine
         motor = self.motor_share(speed, since) * self.values.get("motor_torque", 0.0)

@@ -15,13 +15,7 @@ Given = TypeVar("Given")
 
 
 def sides_from_files(options: Options) -> Sides:
-    """Return the wheelset and track that the options describe (`pair_of`).
-
-    Raises
-    ------
-    BadInputError
-        If a profile is missing, or if an option is out of its limits.
-    """
+    """Return the wheelset and track that the options describe (`pair_of`)."""
     if not options.wheel or not options.rail:
         missing = "--rail" if options.wheel else "--wheel"
         raise BadInputError(
@@ -41,13 +35,7 @@ def sides_of(
     gauge: float | None,
     flange_back: float | None,
 ) -> Sides:
-    """Return a wheelset on its track from options in mm (`pair_of`).
-
-    Raises
-    ------
-    BadInputError
-        If an option is out of its limits, or the wheels do not stand on the rails.
-    """
+    """Return a wheelset on its track from options in mm (`pair_of`)."""
     given = left_and_right("--diameter", diameters) if diameters else (None, None)
     radii = [None if one is None else within("--diameter", one, " mm", 200.0, 2000.0) / 2e3 for one in given]
     track, backs = (
@@ -61,13 +49,7 @@ def sides_of(
 
 
 def left_and_right(option: str, given: Sequence[Given]) -> tuple[Given, Given]:
-    """Return two values, or one for both sides.
-
-    Raises
-    ------
-    BadInputError
-        If there are more than two values.
-    """
+    """Return two values, or one for both sides."""
     if len(given) > 2:
         raise BadInputError(
             f"{option} must be given once for both sides or twice, left and right; got it {len(given)} times."
@@ -92,11 +74,6 @@ def profiles(
     """Return the profiles of the left and of the right side; the same object if they come from one file.
 
     inclination: slope. tape_circles [mm].
-
-    Raises
-    ------
-    BadInputError
-        If a file cannot be read as such a profile.
     """
     kind = option.removeprefix("--")
     files, turned = left_and_right(option, paths), left_and_right("--gauge-side", gauge_sides)

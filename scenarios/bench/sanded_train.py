@@ -55,13 +55,7 @@ def train() -> Library:
 def stop(values: Mapping[str, float], sand: SandParameters, untreated: float = UNTREATED) -> Recording:
     """Return time [s], speed [m/s] and distance [m] until the train stops.
 
-    Parameters
-    ----------
-    values : mapping
-        Parameters of the train and of its sanders by name: `sand_rate_3` is that ahead of wheelset 3 [kg/s].
-    sand : SandParameters
-    untreated : float
-        Friction of the rail without sand [1].
+    Takes values [kg/s].
     """
     kernel = Kernel(train(), **{**sand.values(), **values})
     kernel.set(**{f"friction_{n}": untreated for n in range(1, len(PLACES) + 1)})

@@ -120,19 +120,7 @@ def to_standstill(of: Callable[[float, Array], Array], speed: Array) -> Array:
 
 
 def distances(given: Inputs, stops: int, seed: int, published_method: bool = False) -> Array:
-    """Return the stopping distances [m].
-
-    Parameters
-    ----------
-    given : mapping
-        Inputs by the names of the case, SI units.
-    stops : int
-        Number of stops.
-    seed : int
-        Seed of the random wagons, which are the same under all rules.
-    published_method : bool
-        Euler's method of the published program instead of Heun's.
-    """
+    """Return the stopping distances [m]."""
     draws = draw(given, stops, seed)
     method = as_published if published_method else to_standstill
     parts = [draws.part(first) for first in range(0, stops, CHUNK)]

@@ -16,22 +16,7 @@ VARIABLES = {"time": "s", "torque": "N.m"}
 def read_torque_history(path: Path, columns: Path | None = None) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Return a measured torque.
 
-    Parameters
-    ----------
-    path : Path
-        The log; without known names its two columns are time and torque.
-    columns : Path, optional
-        TOML file with a map of its names.
-
-    Returns
-    -------
-    tuple of array, array and list of str
-        Times [s], increasing, torque capacities [N.m], not negative, and messages on what was guessed and left out.
-
-    Raises
-    ------
-    BadInputError
-        If the file cannot be read as it is meant; the message names file, row, column, value and remedy.
+    Returns [s].
     """
     try:
         log = read_log(path, VARIABLES, columns, by_position=list(VARIABLES))

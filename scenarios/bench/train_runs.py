@@ -64,15 +64,7 @@ class Course:
 def follow(train: Train, seconds: float, interval: float = 0.1, act: Callable[[Train], bool] | None = None) -> Course:
     """Advance a train and record it.
 
-    Parameters
-    ----------
-    train : Train
-    seconds : float
-        Time to simulate [s].
-    interval : float
-        Recording interval [s].
-    act : callable, optional
-        Called before each interval; True ends the run.
+    Takes seconds [s], interval [s].
     """
     rows: list[list[Numbers]] = []
 

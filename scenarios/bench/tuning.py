@@ -220,20 +220,7 @@ def least(
 ) -> Numbers:
     """Return the mean of the last generation of CMA-ES, with the same random numbers each time.
 
-    Parameters
-    ----------
-    costs : callable
-        Returns the costs of a generation's points.
-    first : sequence of float, shape (n,)
-        Initial mean.
-    step : float
-        Initial standard deviation.
-    generations : int
-
-    Raises
-    ------
-    ImportError
-        If cma is not installed.
+    Takes first (n,).
     """
     try:
         import cma

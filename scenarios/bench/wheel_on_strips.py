@@ -66,19 +66,7 @@ class PressedWheel:
 def press_wheel(
     pair: Pair, steel: Steel, friction: float, stand: Stand, motion: WheelVelocity, gauge_face: float = 1.0
 ) -> PressedWheel:
-    """Return the wheel at its stand, in motion.
-
-    Parameters
-    ----------
-    pair : Pair
-    steel : Steel
-    friction : float
-        Friction of wheel and rail [1].
-    stand : Stand
-    motion : WheelVelocity
-    gauge_face : float
-        Factor on the friction of the rail's gauge face [1].
-    """
+    """Return the wheel at its stand, in motion."""
     kernel = Kernel(library_of_wheel(pair, steel, gauge_face))
     axes = np.array(ca.evalf(turned_by(direction_cosines(ca.SX(stand.yaw), ca.SX(stand.roll)))))
     own = axes.T @ np.array(motion.rotation)
@@ -96,17 +84,7 @@ def wheel_under_load(
 ) -> PressedWheel:
     """Return the wheel at the height at which the vertical force on it is the load.
 
-    Parameters
-    ----------
-    pair : Pair
-    steel : Steel
-    friction : float
-        Friction of wheel and rail [1].
-    stand : Stand
-        Its height is not used.
-    motion : WheelVelocity
-    load : float
-        Load of the wheel [N].
+    Takes load [N].
     """
     top, _ = touching(pair, stand)
 

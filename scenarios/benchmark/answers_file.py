@@ -24,20 +24,7 @@ COLUMNS = (
 
 
 def program_of_answers(path: Path, files: Mapping[str, Path]) -> Program:
-    """Return a CSV file of answers as a program: case, number of the point from 1, answer, value, unit.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    files : mapping of str to Path
-        Files of all cases by name.
-
-    Raises
-    ------
-    BadInputError
-        If a row cannot be read, repeats another, or belongs to no case, point or answer.
-    """
+    """Return a CSV file of answers as a program: case, number of the point from 1, answer, value, unit."""
     found: dict[tuple[str, int], dict[str, float]] = {}
     try:
         read, cases = read_table(path, COLUMNS), dict[str, Case]()

@@ -50,15 +50,6 @@ def bands(case: Case, program: Program, draws: int = DRAWS, seed: int = SEED) ->
     """Return the ranges of a case, at MOST_POINTS random points if it has more; none if it has no unknown input.
 
     Answers that do not depend on the unknown inputs are left out.
-
-    Parameters
-    ----------
-    case : Case
-    program : Program
-    draws : int
-        Number of random inputs. All points have the same ones.
-    seed : int
-        Seed of the draws.
     """
     if not case.unknown:
         return []

@@ -31,13 +31,7 @@ DISTRIBUTIONS = ("uniform", "normal", "list")
 
 
 def read_case(path: str | Path) -> Case:
-    """Return a case from its file.
-
-    Raises
-    ------
-    FileError
-        If an entry is missing, unknown, or not what it must be; the message names file and place.
-    """
+    """Return a case from its file."""
     path = Path(path)
     read = toml_of(path)
     if not NAME.fullmatch(path.stem) or path.suffix != ".toml":
@@ -64,13 +58,7 @@ def read_case(path: str | Path) -> Case:
 
 
 def cases_in(places: Iterable[Path]) -> dict[str, Path]:
-    """Return the files of cases by name; a place is a folder, or the file of one case.
-
-    Raises
-    ------
-    FileError
-        If a folder has no case, or two cases have one name.
-    """
+    """Return the files of cases by name; a place is a folder, or the file of one case."""
     found: dict[str, Path] = {}
     for place in places:
         files = [place] if place.is_file() else sorted(place.glob("*.toml"))

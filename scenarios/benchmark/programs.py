@@ -66,13 +66,7 @@ def _modules(name: str) -> Iterator[ModuleType]:
 
 
 def of_adapter(module: ModuleType, other: OtherPython) -> Program:
-    """Return the program of an adapter in another Python.
-
-    Raises
-    ------
-    ImportError
-        If that Python cannot be started, or does not have the adapter's program.
-    """
+    """Return the program of an adapter in another Python."""
     place = str(module.__file__)
 
     def ask(case: Case, point: int) -> Answers:
@@ -89,11 +83,6 @@ def of_module(module: ModuleType, strict: bool = False) -> Program:
     """Return the program of an adapter, a module with NAME, `version()` and `answer(question, inputs)`.
 
     Its output goes to the standard error. strict: answers of which the case needs none are an error.
-
-    Raises
-    ------
-    ImportError
-        If the adapter's program is not installed.
     """
 
     def ask(case: Case, point: int) -> Answers:
@@ -125,13 +114,7 @@ def checked(found: Any, case: Case, strict: bool = False) -> Answers:
 
 
 def of_file(path: Path) -> Program:
-    """Return a user's program, a Python file with `answer(question, inputs)`, and NAME and VERSION if it has them.
-
-    Raises
-    ------
-    BadInputError
-        If the file cannot be imported, or has no function `answer`.
-    """
+    """Return a user's program, a Python file with `answer(question, inputs)`, and NAME and VERSION if it has them."""
     if not path.is_file():
         raise BadInputError(f"--program must be a Python file; got {path}, which does not exist. Check the path.")
     about = importlib.util.spec_from_file_location(f"program_in_{path.stem}", path)

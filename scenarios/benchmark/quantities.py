@@ -19,13 +19,7 @@ AREAS = {"m2": 1.0, "cm2": 1e-4, "mm2": 1e-6}
 
 
 def si_unit(unit: str) -> str:
-    """Return the SI unit of a quantity by any of its units; "1" for a pure number.
-
-    Raises
-    ------
-    FileError
-        If the unit is unknown.
-    """
+    """Return the SI unit of a quantity by any of its units; "1" for a pure number."""
     if unit in AREAS:
         return "m2"
     quantity = quantity_of(unit)
@@ -42,13 +36,7 @@ def scale_of(unit: str) -> float:
 
 
 def quantity(given: Any) -> tuple[float, str]:
-    """Return a number in SI units and its SI unit, from a number or a string such as "45 km/h".
-
-    Raises
-    ------
-    FileError
-        If it is neither.
-    """
+    """Return a number in SI units and its SI unit, from a number or a string such as "45 km/h"."""
     if is_number(given):
         return float(given), "1"
     found = NUMBER.fullmatch(given.strip()) if isinstance(given, str) else None
@@ -68,11 +56,6 @@ def input_of(given: Any) -> tuple[Input, str]:
     """Return an input and its SI unit; that of a string is empty.
 
     A string is a number with its unit if it begins with a digit.
-
-    Raises
-    ------
-    FileError
-        If it is of another kind, or an empty or mixed list.
     """
     if isinstance(given, list):
         return _list_of(given)

@@ -81,19 +81,7 @@ def measure() -> Findings:
 def stops_of(rails: Sequence[RailCase], mode: str, settings: Settings, every: float = 0.0) -> list[Stop]:
     """Return one stop on each rail.
 
-    Parameters
-    ----------
-    rails : sequence of RailCase
-    mode : str
-        Key of MODES.
-    settings : Settings
-    every : float
-        Sampling interval of the histories [s]; 0: no histories.
-
-    Returns
-    -------
-    list of Stop
-        In the order of `rails`.
+    Takes every [s].
     """
     rig = Rig(bogie(), MODES[mode], settings, by_flow=True)
     return rig.runs([Run(rail.values()) for rail in rails], every=every)
@@ -252,25 +240,7 @@ def one_point(
 ) -> dict[str, float | None]:
     """Return the results of one stop on a rail whose friction falls as in the low set unless given.
 
-    Parameters
-    ----------
-    friction : float
-        Wheel-rail friction at rest [1].
-    application_time : float
-        Time to 95 % of the brake [s].
-    initial_speed : float
-        Initial speed [m/s].
-    protected : float
-        0: no controller.
-    period : float
-        Period of the controller [s].
-    friction_ratio, friction_decay : float
-        Fall of the friction with sliding speed, as in Polach's law [1], [s/m].
-
-    Returns
-    -------
-    dict of str to float or None
-        A run that did not come to rest has no stop_distance and no stop_time, but an end_speed.
+    Takes application_time [s], initial_speed [m/s], period [s].
     """
     condition = low()
     law = replace(condition.law, friction_ratio=friction_ratio, friction_decay=friction_decay)

@@ -49,13 +49,7 @@ OF_BOGIE = ("speed", "distance")
 
 
 def stop_of_coach(friction: float) -> Recording:
-    """Stop the coach with full brake from the start by `fmpy.simulate_fmu`.
-
-    Parameters
-    ----------
-    friction
-        Wheel-rail friction under all wheelsets [1].
-    """
+    """Stop the coach with full brake from the start by `fmpy.simulate_fmu`."""
     values = {"level": 2, "initial_speed": SPEED, "body_mass": BODY_MASS}
     values |= {f"pressure_demand_{number}": machine.FULL_PRESSURE for number in NUMBERS}
     values |= {f"friction_{number}": friction for number in NUMBERS}
@@ -96,14 +90,7 @@ def until_rest(series: Recording) -> Recording:
 def closed_form_distance(deceleration: float, application_time: float, limit: float = math.inf) -> float:
     """Return the stopping distance of rolling wheels whose brake force builds up as 1 - exp(-t / T) [m].
 
-    Parameters
-    ----------
-    deceleration
-        Deceleration with the full brake force [m/s2].
-    application_time
-        Time to 95 % of the force [s]; T = application_time / ln 20.
-    limit
-        Friction times gravity [m/s2], the largest deceleration; the wheels slide once it is reached.
+    Takes deceleration [m/s2], application_time [s], limit [m/s2].
     """
     constant = application_time / math.log(20.0)
     most = min(deceleration, limit)

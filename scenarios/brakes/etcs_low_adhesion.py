@@ -115,17 +115,7 @@ def train_data() -> SupervisedTrain:
 
 
 def stop(case: Case, train: SupervisedTrain, folder: Path) -> Stop:
-    """Run the coach from its indication to rest.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    train : SupervisedTrain
-        Train data of the curves.
-    folder : Path
-        Folder with BrakingCurves.fmu and WheelSlideProtection4.fmu.
-    """
+    """Run the coach from its indication to rest."""
     with ExitStack() as stack:
         vehicle = stack.enter_context(coach_instance(case.rail, SPEED))
         curves = stack.enter_context(FmuInstance(folder / "BrakingCurves.fmu", **fmu_parameters(train)))

@@ -90,15 +90,7 @@ def uneven_stop(
 ) -> UnevenStop:
     """Run a full brake that is applied at BRAKE_START.
 
-    Parameters
-    ----------
-    machine : CoupledMachine
-    values : mapping
-        Parameters of the bogie.
-    brake_ratio : tuple of float, shape (2,)
-        Factor of the shoe forces of each cylinder [1].
-    errors : tuple of float, shape (2,)
-        Errors of the shoe forces of each wheelset [1].
+    Takes brake_ratio [1] (2,), errors [1] (2,).
     """
     machine.start({"initial_speed": SPEED} | dict(values), [shoes() | {"wheelset_share": 0.5 * x} for x in brake_ratio])
     yaw_torques = [
@@ -120,17 +112,7 @@ def uneven_stop(
 
 
 def measure() -> tuple[dict[float, UnevenStop], dict[tuple[float, float], UnevenStop], UnevenStop]:
-    """Return all stops of this scenario.
-
-    Returns
-    -------
-    uneven : dict
-        Planar stops, by share of the leading wheelset.
-    asymmetric : dict
-        Stops in 3D, with the thesis's interpretation of its model, by errors of the shoes.
-    physical : UnevenStop
-        The first of those that derail, with a flange pushed at the rail and torques that react on the frame.
-    """
+    """Return all stops of this scenario."""
     uneven, asymmetric = {}, {}
     count = len(SHARES) + len(ERRORS) + 1
     with CoupledMachine("bogie", (1, 2)) as machine, counting(total=count, unit="stop") as bar:

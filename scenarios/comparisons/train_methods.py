@@ -99,17 +99,7 @@ class Study:
         return {at: _joined(list(trains.values())) for (name, at), trains in self.points.items() if name == method}
 
     def cheapest(self, train: str | None = None, explicit: bool = False, safe: bool = False) -> tuple[float, str]:
-        """Return the cheapest setting that meets the limits: cost [s], and its name.
-
-        Parameters
-        ----------
-        train : str, optional
-            This train alone; None: one setting for both.
-        explicit : bool
-            Explicit steps only, instead of all other methods.
-        safe : bool
-            All dearer settings of the method must meet the limits too.
-        """
+        """Return the cheapest setting that meets the limits: cost [s], and its name."""
         found = []
         for method in METHODS:
             own = self.both(method)

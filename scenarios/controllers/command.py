@@ -175,13 +175,7 @@ def run(chosen: argparse.Namespace) -> bool:
 
 
 def run_loop(chosen: argparse.Namespace) -> bool:
-    """Run one stop of a client in the loop; return whether it stopped without a missed period.
-
-    Raises
-    ------
-    BadInputError
-        If the case is unknown, or the pace out of range.
-    """
+    """Run one stop of a client in the loop; return whether it stopped without a missed period."""
     machine, settings, known = rigged(chosen)
     cases = {case.name: case for case in known}
     if chosen.rail not in cases:

@@ -38,21 +38,7 @@ IN_PYTHON = re.compile(r"(?P<file>.+\.py):(?P<name>\w+)(?P<gains>\(.*\))?", re.D
 
 
 def controllers_of(given: Sequence[str], wheelsets: int, driven: bool = False) -> dict[str, Given]:
-    """Return controllers by their names, those of every comparison first.
-
-    Parameters
-    ----------
-    given : sequence of str
-        Controllers as on the command line.
-    wheelsets : int
-    driven : bool
-        True for starts.
-
-    Raises
-    ------
-    BadInputError
-        If a controller is invalid, or if two have the same name.
-    """
+    """Return controllers by their names, those of every comparison first."""
     found: dict[str, Given] = dict(zip(ALWAYS, (None, SpinProtection if driven else slide_protection()), strict=True))
     for text in given:
         name, controller = controller_of(text, wheelsets)
@@ -65,13 +51,7 @@ def controllers_of(given: Sequence[str], wheelsets: int, driven: bool = False) -
 
 
 def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
-    """Return the name of a controller and its form.
-
-    Raises
-    ------
-    BadInputError
-        If the file is missing, of an unknown kind, or does not compile.
-    """
+    """Return the name of a controller and its form."""
     in_python = IN_PYTHON.fullmatch(text)
     if in_python and in_python["gains"]:
         return with_gains(Path(in_python["file"]), in_python["name"], in_python["gains"])
@@ -105,19 +85,7 @@ def in_fmu(path: Path, names: Names, wheelsets: int, period: float) -> Form:
 
 
 def fmu_names(path: Path, wheelsets: int) -> Names:
-    """Return the names in an FMU: those of the table next to it, NAME.toml, or those of the project's FMUs.
-
-    Parameters
-    ----------
-    path : Path
-        The FMU.
-    wheelsets : int
-
-    Raises
-    ------
-    BadInputError
-        If the table is wrong.
-    """
+    """Return the names in an FMU: those of the table next to it, NAME.toml, or those of the project's FMUs."""
     table = path.with_suffix(".toml")
     try:
         about = [variable.name for variable in description_of(path).modelVariables]
@@ -141,13 +109,7 @@ def fmu_names(path: Path, wheelsets: int) -> Names:
 
 
 def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:
-    """Return a class with its arguments, such as (0.3, limit=2); the name is that of the call.
-
-    Raises
-    ------
-    BadInputError
-        If the arguments are not numbers, or if the class refuses them.
-    """
+    """Return a class with its arguments, such as (0.3, limit=2); the name is that of the call."""
     try:
         call = ast.parse(name + gains, mode="eval").body
         if not isinstance(call, ast.Call) or any(one.arg is None for one in call.keywords):
@@ -184,13 +146,7 @@ def _begins_many(start: object) -> bool:
 
 
 def class_in(file: Path, name: str) -> type:
-    """Return a class of a Python file that is made without arguments.
-
-    Raises
-    ------
-    BadInputError
-        If the class is missing, or if it needs arguments.
-    """
+    """Return a class of a Python file that is made without arguments."""
     found = found_in(file, name)
     try:
         found()
@@ -203,13 +159,7 @@ def class_in(file: Path, name: str) -> type:
 
 
 def found_in(file: Path, name: str) -> type:
-    """Return a class of a Python file.
-
-    Raises
-    ------
-    BadInputError
-        If the file or the class is missing, or if the import fails.
-    """
+    """Return a class of a Python file."""
     if not file.is_file():
         raise BadInputError(f"There is no file {file}; give FILE.py:CLASS.")
     about = importlib.util.spec_from_file_location(f"controllers_in_{file.stem}", file)

@@ -77,12 +77,7 @@ def quantile(level: float, free: int) -> float:
 def sample_of(values: ArrayLike, factors: ArrayLike) -> Sample:
     """Return the draws of a quantity without the linear effect of their factors.
 
-    Parameters
-    ----------
-    values : array_like
-        Shape (draws,).
-    factors : array_like
-        Deviations of known factors from their means, shape (draws, factors).
+    Takes factors (draws, factors).
     """
     own = np.asarray(values, float)
     known = np.asarray(factors, float).reshape(own.size, -1)
@@ -99,12 +94,7 @@ def sample_of(values: ArrayLike, factors: ArrayLike) -> Sample:
 def across(samples: Sequence[Sample], of: Callable[[Numbers], Numbers]) -> Sample:
     """Return a function of all cases, such as the median, in each draw.
 
-    Parameters
-    ----------
-    samples : sequence of Sample
-        One of each case, all with the same number of draws.
-    of : callable
-        Takes an array of shape (cases, draws) and returns one of shape (draws,).
+    Takes of (cases, draws).
     """
     values = of(np.stack([one.values for one in samples]))
     return Sample(values, max(one.fitted for one in samples), max(one.widened for one in samples))

@@ -35,15 +35,7 @@ class Harm:
 
 
 def harm_of(own: Sequence[Scored], without: Mapping[str, Scored]) -> Harm | None:
-    """Return the harm of a controller; None if wheels slide in every case, or if it does not stop in another.
-
-    Parameters
-    ----------
-    own : sequence of Scored
-        Its scores.
-    without : mapping of str to Scored
-        Scores without a controller, by the cases in which no wheel slides.
-    """
+    """Return the harm of a controller; None if wheels slide in every case, or if it does not stop in another."""
     found, moved = [], 0
     for one in own:
         other = without.get(one.case)

@@ -53,13 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 @contextmanager
 def socket_at(host: str, port: int) -> Iterator[socket.socket]:
-    """Yield a bound UDP socket.
-
-    Raises
-    ------
-    BadInputError
-        If the port is not available.
-    """
+    """Yield a bound UDP socket."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:
         try:
             own.bind((host, port))
@@ -100,23 +94,7 @@ class Looped:
 
 
 def run_in_loop(machine: Machine, run: Run, settings: Settings, own: socket.socket, pace: float) -> Looped:
-    """Run one stop under a client at the other end of a socket.
-
-    Parameters
-    ----------
-    machine : Machine
-    run : Run
-    settings : Settings
-    own : socket.socket
-        The bound socket of the rig.
-    pace : float
-        Simulated seconds in a second on the clock; 0: as fast as answers come.
-
-    Raises
-    ------
-    BadInputError
-        If the pace is below the limit of the period.
-    """
+    """Run one stop under a client at the other end of a socket."""
     if pace and settings.period / pace > LONGEST:
         least = settings.period / LONGEST
         raise BadInputError(f"--pace must be 0, or at least {least:.2g} with this period; got {pace:g}.")

@@ -102,13 +102,7 @@ def vehicle_named(text: str) -> str:
 
 
 def rigged(chosen: argparse.Namespace) -> tuple[Machine, Settings, list[Case]]:
-    """Return the requested vehicle, the settings of its stops, and its cases; a vehicle file has its own brake.
-
-    Raises
-    ------
-    BadInputError
-        If a file or an option is invalid.
-    """
+    """Return the requested vehicle, the settings of its stops, and its cases; a vehicle file has its own brake."""
     settings, cases = settings_of(chosen), cases_of(chosen)
     if chosen.vehicle in MACHINES:
         return MACHINES[chosen.vehicle](), settings, cases
@@ -120,13 +114,7 @@ def rigged(chosen: argparse.Namespace) -> tuple[Machine, Settings, list[Case]]:
 
 
 def cases_of(chosen: argparse.Namespace) -> list[Case]:
-    """Return the requested cases.
-
-    Raises
-    ------
-    BadInputError
-        If a rail or the case file is unknown, or if a rail is named twice.
-    """
+    """Return the requested cases."""
     if chosen.programme:
         path = PROGRAMMES.get(chosen.programme) or Path(chosen.programme)
         try:

@@ -97,13 +97,7 @@ def rows_of(stop: ReferenceStop, looks: Sequence[Look]) -> Iterator[list[str]]:
 
 
 def check_table(path: Path) -> str:
-    """Return the first difference of the commands of a table, or "".
-
-    Raises
-    ------
-    BadInputError
-        If the file is missing, or is not the table with other commands.
-    """
+    """Return the first difference of the commands of a table, or ""."""
     try:
         given = list(csv.reader(io.StringIO(path.read_text(encoding="utf-8-sig"))))
     except FileNotFoundError:

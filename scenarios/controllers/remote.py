@@ -60,20 +60,7 @@ class Counts:
 
 
 def valves_in(packet: bytes, wheelsets: int, asked: int) -> tuple[int, list[int]]:
-    """Return the sequence number of an answer and its valves.
-
-    Parameters
-    ----------
-    packet : bytes
-    wheelsets : int
-    asked : int
-        Sequence number of the last question.
-
-    Raises
-    ------
-    ValueError
-        If the packet is not an answer; the text is the message.
-    """
+    """Return the sequence number of an answer and its valves."""
     due = HEADER.size + wheelsets
     if len(packet) != due:
         raise ValueError(f"An answer for {wheelsets} wheelsets must have {due} bytes; got {len(packet)}.")

@@ -147,14 +147,7 @@ def run(chosen: argparse.Namespace) -> bool:
 
 
 def read_log(path: Path, columns: ColumnMap | None = None, longest_gap: float | None = None) -> Recording:
-    """Return a log with the speeds of wheels; its messages tell what was guessed, converted and left out.
-
-    Raises
-    ------
-    BadInputError
-        If a column is missing, unknown, in a wrong unit or out of its limits, or has a gap above `longest_gap` [s]; the
-        message names line and column.
-    """
+    """Return a log with the speeds of wheels; its messages tell what was guessed, converted and left out."""
     try:
         log = table_from(path, UNITS_OF_LOG, columns)
         return _checked(path, log, longest_gap)
@@ -212,14 +205,7 @@ def replay_of(log: Recording, name: str, controller: Apart, period: float | None
 def replay(log: Recording, name: str, form: Form, period: float | None) -> Replayed:
     """Return the commands of a new controller in a recorded run.
 
-    Parameters
-    ----------
-    log : Recording
-    name : str
-        Name of the controller.
-    form : Form
-    period : float, optional
-        The controller is called every `period` [s] with the last row before; None: at the rows' times.
+    Takes period [s].
     """
     count = wheelsets_in(log)
     samples = after_events(log["time"])
@@ -250,18 +236,7 @@ def one_of(name: str, form: Form, wheelsets: int, period: float) -> WheelSlideCo
 def commands_of(controller: Supervised, times: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, str]:
     """Return the commands of a controller until it fails.
 
-    Parameters
-    ----------
-    controller : Supervised
-    times : numpy.ndarray, shape (rows,)
-        Times [s].
-    speeds : numpy.ndarray, shape (rows, wheelsets)
-        Wheel speeds [m/s].
-
-    Returns
-    -------
-    tuple of numpy.ndarray and str
-        Commands, shape (rows, wheelsets), and the message of the failure or "".
+    Takes times [s] (rows,), speeds [m/s] (rows, wheelsets); returns (rows, wheelsets).
     """
     valves, message = [], ""
     with contextlib.redirect_stdout(sys.stderr):  # output of the controller

@@ -49,23 +49,7 @@ def report_document(
     criteria: Sequence[Criterion],
     found: Sequence[Finding],
 ) -> dict[str, Any]:
-    """Return a report as a JSON object.
-
-    Parameters
-    ----------
-    name : str
-        Name of the controller.
-    arguments : sequence of str
-        Arguments of the command that makes the report again.
-    inputs : mapping
-        Files with their digests, as `inputs_of` returns them.
-    tested : sequence of CaseResult
-        Stops of each case.
-    criteria : sequence of Criterion
-        Criteria with their limits.
-    found : sequence of Finding
-        Result of each criterion in each of its cases.
-    """
+    """Return a report as a JSON object."""
     runs = runs_document([one.score for one in tested])
     cases = [
         asdict(replace(one.case, line=None, line_file=None)) | {"dry": one.dry.distance, "stops": run}
@@ -90,13 +74,7 @@ def report_document(
 
 
 def read_report(path: Path) -> dict[str, Any]:
-    """Return a report of a file.
-
-    Raises
-    ------
-    BadInputError
-        If it cannot be read, or is not a report of this layout.
-    """
+    """Return a report of a file."""
     try:
         found = read_document(path)
         what = str(path)

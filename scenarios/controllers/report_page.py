@@ -28,19 +28,7 @@ def report_page(
     criteria: Sequence[Criterion],
     found: Sequence[Finding],
 ) -> str:
-    """Return the text of the page, from stops with their histories.
-
-    Parameters
-    ----------
-    machine : Machine
-    about : str
-        Conditions of all stops.
-    document : mapping
-        The report for programs.
-    tested : sequence of CaseResult
-    criteria : sequence of Criterion
-    found : sequence of Finding
-    """
+    """Return the text of the page, from stops with their histories."""
     scores = [one.score for one in tested]
     failed = [one.case for one in found if one.verdict != PASSES]
     return filled(

@@ -43,29 +43,7 @@ def stops_for_report(
     level: int,
     recorded: bool,
 ) -> list[CaseResult]:
-    """Return the stops of a controller in every case.
-
-    Parameters
-    ----------
-    machine : Machine
-        Vehicle with its brakes.
-    name : str
-        Name of the controller.
-    controller : Given
-        Controller that is tested.
-    cases : sequence of Case
-        Stops to be made.
-    criteria : sequence of Criterion
-        A case is drawn more often while one of these criteria is undecided in it.
-    settings : Settings
-        Settings of brake, sensors and controller.
-    plan : Plan
-        Spreads and numbers of draws.
-    level : int
-        2: planar, as the ideal always is. 3: in three dimensions.
-    recorded : bool
-        True: record the history of the first draw.
-    """
+    """Return the stops of a controller in every case."""
     runs, settings = runs_of(machine, cases, level, plan.spread.friction), replace(settings, jitter=plan.spread.jitter)
     order = Order(machine, controller, settings, level=level)
     stops: list[list[Stop]] = [[] for _ in cases]

@@ -201,23 +201,7 @@ def compare(
     recorded: bool = False,
     enough: Callable[[Sequence[Scored]], bool] = lambda scores: False,
 ) -> list[Scored]:
-    """Return the scores of every controller in every case, case by case.
-
-    Parameters
-    ----------
-    machine : Machine
-    controllers : mapping of str to Given
-    cases : sequence of Case
-    settings : Settings
-    plan : Plan
-        Draws of the stops, the same for all controllers. Its spread replaces the jitter of the settings.
-    level : int
-        2: planar, as the ideal always is. 3: in three dimensions.
-    recorded : bool
-        True: record the history of the first draw.
-    enough : callable
-        Called with the scores at each number of draws of the plan except the last. True ends the comparison.
-    """
+    """Return the scores of every controller in every case, case by case."""
     runs, settings = runs_of(machine, cases, level, plan.spread.friction), replace(settings, jitter=plan.spread.jitter)
     orders = {name: Order(machine, one, settings, level=level) for name, one in controllers.items()}
     stops: dict[str, list[list[Stop]]] = {name: [[] for _ in cases] for name in controllers}
@@ -273,13 +257,7 @@ def scored(
 
 
 def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2, spread: float = 0.0) -> list[Run]:
-    """Return the stop of a vehicle in each case; spread: of the friction, which stays within its limits.
-
-    Raises
-    ------
-    BadInputError
-        If a case sets a variable that is unknown, fixed by the rig, or out of its limits.
-    """
+    """Return the stop of a vehicle in each case; spread: of the friction, which stays within its limits."""
     try:
         runs = [case.run(machine) for case in cases]
     except ValueError as error:
@@ -308,13 +286,7 @@ def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2, spread: flo
 
 
 def stops_of(order: Order, name: str, runs: Sequence[Run]) -> list[Stop]:
-    """Return a stop of each run.
-
-    Raises
-    ------
-    BadInputError
-        If the controller is invalid.
-    """
+    """Return a stop of each run."""
     if not isinstance(order.controller, Apart):
         with contextlib.redirect_stdout(sys.stderr):  # output of the controller
             return order.rig().runs(runs, every=order.every)

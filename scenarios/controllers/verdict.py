@@ -150,17 +150,7 @@ def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
 
 
 def verdict(name: str, own: Sequence[Scored], sliding: Sequence[str], without: Mapping[str, Scored]) -> Verdict:
-    """Return the verdict on the scores of one controller.
-
-    Parameters
-    ----------
-    name : str
-    own : sequence of Scored
-    sliding : sequence of str
-        The cases that count in the median.
-    without : mapping of str to Scored
-        Scores without a controller in the cases in which no wheel slides.
-    """
+    """Return the verdict on the scores of one controller."""
     judged = [one for one in own if one.stop.judged]
     every = {one.case: ratios for one in judged if (ratios := one.ratios) is not None}
     counted = [ratios for case, ratios in every.items() if case in sliding]

@@ -59,13 +59,7 @@ def judge(series: Recording, begin: float) -> Chatter:
 def play_signed(bogie: FmuInstance, duration: float, step: float, width: float = 0.0) -> Recording:
     """Run with brake torques as traction torques against the rotation at the start of each macro step.
 
-    Parameters
-    ----------
-    bogie : FmuInstance
-    duration, step : float
-        Simulated time and macro step [s].
-    width : float
-        The sign is smoothed to tanh(angular velocity / width) [rad/s]; 0: not smoothed.
+    Takes duration, step [s], width [rad/s].
     """
 
     def drive(_: float) -> None:

@@ -103,16 +103,7 @@ def curved(radius: float) -> Line:
 def stop(radius: float, utilisation: float, place: float, columns: Sequence[str] = STOP_COLUMNS) -> Recording:
     """Run to rest.
 
-    Parameters
-    ----------
-    radius : float
-        Radius of the curve [m].
-    utilisation : float
-        Adhesion utilisation of the brake [1].
-    place : float
-        Place on the line at which the brake is applied [m].
-    columns : sequence of str
-        Recorded variables.
+    Takes radius [m], place [m].
     """
     torque = brake_torque(utilisation)
     kernel = prepare_on_line("bogie", curved(radius), level=3.0, initial_speed=SPEED)

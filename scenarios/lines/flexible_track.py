@@ -57,16 +57,7 @@ class Scene:
 def curve(radius: float, cant: float, deficiency: float = 0.0, friction: float = 0.3, name: str = "") -> Scene:
     """Return straight track, a transition, and a curve at the speed of balanced cant plus a deficiency.
 
-    Parameters
-    ----------
-    radius : float
-        Radius of the curve [m].
-    cant, deficiency : float
-        Cant and cant deficiency [m].
-    friction : float
-        Wheel-rail friction [1].
-    name : str
-        Name of the case.
+    Takes radius [m], cant, deficiency [m].
     """
     line, speed = into_curve(radius, cant, CURVE), suited_speed(radius, cant, deficiency)
     values = {"constant_speed": 1.0} | {f"friction_{number}": friction for number in (1, 2, 3, 4)}

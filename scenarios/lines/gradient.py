@@ -55,17 +55,7 @@ def both(name: str, history: History) -> dict[str, History]:
 def ride(level: int, gradient: float, speed: float, inputs: Mapping[str, History], interval: float = 0.01) -> Recording:
     """Run on one gradient, for SETTLED and MEASURED.
 
-    Parameters
-    ----------
-    level : int
-        Level of detail.
-    gradient : float
-        Gradient [1], above 0 uphill.
-    speed : float
-        Initial speed [m/s].
-    inputs : mapping of str to History
-    interval : float
-        Recording interval [s].
+    Takes speed [m/s], interval [s].
     """
     kernel = prepare_on_line("bogie", line_of([straight(LENGTH, gradient)]), level=level, initial_speed=speed)
     return play("bogie", kernel, SETTLED + MEASURED, interval, RECORDED, inputs)

@@ -77,13 +77,7 @@ def own_line() -> Line:
 
 
 def bogie_on(path: Path | None) -> tuple[Kernel, Line]:
-    """Return the bogie in 3D on the line of a file, or on the example, and that line.
-
-    Raises
-    ------
-    BadInputError
-        If the file is not a line, or if the line is too short.
-    """
+    """Return the bogie in 3D on the line of a file, or on the example, and that line."""
     if path is None:
         line = own_line()
         return prepare_on_line("bogie", line, level=3.0), line
@@ -112,14 +106,7 @@ def speed_on(line: Line) -> float:
 def drive(kernel: Kernel, line: Line, speed: float, columns: Sequence[str] = RECORDED) -> Recording:
     """Run the bogie to the end of the line, or until the run ends.
 
-    Parameters
-    ----------
-    kernel : Kernel
-    line : Line
-    speed : float
-        Speed that the drawbar force keeps [m/s].
-    columns : sequence of str
-        Recorded variables.
+    Takes speed [m/s].
     """
     way = float(line.rows["distance"][-1]) - LEFT_OVER
     interval = max(PITCH, way / MOST_ROWS) / speed

@@ -34,20 +34,7 @@ class Approach:
 def derail(scene: Scene, kernel: Kernel) -> float:
     """Run a case until it derails.
 
-    Parameters
-    ----------
-    scene : Scene
-    kernel : Kernel
-
-    Returns
-    -------
-    float
-        Time of the derailment [s].
-
-    Raises
-    ------
-    SimulationError
-        If it does not derail.
+    Returns [s].
     """
     for start, end in scene.segments():
         scene.set_inputs(kernel, start, end)

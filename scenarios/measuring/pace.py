@@ -113,15 +113,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def pace_of(chosen: argparse.Namespace) -> Pace:
-    """Return the run that the command line requests.
-
-    Raises
-    ------
-    BadInputError
-        If an option is invalid for the FMU.
-    CompilerError
-        If the FMU cannot be compiled.
-    """
+    """Return the run that the command line requests."""
     step: float = chosen.step
     if chosen.seconds < step:
         raise BadInputError(f"--seconds must be at least one step of {step:g} s; got {chosen.seconds:g} s.")
@@ -144,15 +136,7 @@ def pace_of(chosen: argparse.Namespace) -> Pace:
 
 
 def path_of(name: str) -> Path:
-    """Return the FMU of a name or file.
-
-    Raises
-    ------
-    BadInputError
-        If the name or the file is unknown.
-    CompilerError
-        If the FMU cannot be compiled.
-    """
+    """Return the FMU of a name or file."""
     if name in FMUS:
         return up_to_date(name, "native")
     if name.endswith(".fmu"):
@@ -164,13 +148,7 @@ def path_of(name: str) -> Path:
 
 
 def values_of(texts: Sequence[str]) -> dict[str, float]:
-    """Return numbers by name.
-
-    Raises
-    ------
-    BadInputError
-        If a text is not NAME=NUMBER.
-    """
+    """Return numbers by name."""
     values = {}
     for text in texts:
         name, _, value = text.partition("=")
@@ -182,21 +160,7 @@ def values_of(texts: Sequence[str]) -> dict[str, float]:
 
 
 def paced(pace: Pace, drawn: Callable[[int], object]) -> Paced:
-    """Make all steps, each at its time.
-
-    Parameters
-    ----------
-    pace : Pace
-    drawn : callable
-        Called between two steps with the number of new ones.
-
-    Raises
-    ------
-    BadInputError, CosimulationError
-        If a value or an input is wrong, or if a step fails.
-    KeyboardInterrupt
-        With a message, on Ctrl-C.
-    """
+    """Make all steps, each at its time."""
     try:
         slave = FmuInstance(pace.path)
     except OSError as error:
@@ -229,20 +193,7 @@ def keep_pace(
 ) -> Paced:
     """Make one step at each tick of the clock.
 
-    Parameters
-    ----------
-    slave : FmuInstance
-    step : float
-        Communication step [s].
-    rows : sequence of dict
-        Inputs of each step.
-    drawn : callable
-        Called between two steps with the number of new ones.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        With the number of steps, on Ctrl-C.
+    Takes step [s].
     """
     took, late = np.zeros(len(rows)), np.zeros(len(rows))
     clock, told, number = time.perf_counter, 0, 0

@@ -33,16 +33,7 @@ AT_AXLES = {"frame_distance": "distance", "frame_speed": "speed"}
 
 
 def own(scene: Scene, at_axles: bool = False, **values: float) -> Run:
-    """Run the kernel in long steps between the corners of the inputs.
-
-    Parameters
-    ----------
-    scene : Scene
-    at_axles : bool
-        Take distance and speed of the axles, which all levels have; those of the frame sway by micrometres.
-    values
-        Tolerance, method, fixed step, level.
-    """
+    """Run the kernel in long steps between the corners of the inputs."""
     kernel = scene.kernel(**values)
     names = [AT_AXLES.get(name, name) if at_axles else f"state_{name}" for name in scene.read]
     begin, rows = clock.perf_counter(), []

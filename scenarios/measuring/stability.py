@@ -104,18 +104,7 @@ def start_of(machine: Machine, inputs: tuple[tuple[str, float], ...]) -> dict[st
 def steady(machine: Machine, speed: float, inputs: tuple[tuple[str, float], ...] = ()) -> tuple[np.ndarray, np.ndarray]:
     """Return a steady run at a speed [m/s].
 
-    Parameters
-    ----------
-    machine : Machine
-    speed : float
-        Speed [m/s].
-    inputs : tuple of (str, float)
-        Additional inputs.
-
-    Returns
-    -------
-    tuple of numpy.ndarray
-        Differential states, and the exact Jacobian there, without algebraic states.
+    Takes speed [m/s].
     """
     kernel = prepare(machine.fmu, initial_speed=speed, tolerance=1e-10, **start_of(machine, inputs))
     kernel.advance(SETTLING)
@@ -127,15 +116,7 @@ def steady(machine: Machine, speed: float, inputs: tuple[tuple[str, float], ...]
 def limit(machine: Machine, speed: float, method: str = "RK4", inputs: tuple[tuple[str, float], ...] = ()) -> float:
     """Return the predicted largest stable step of an explicit method [s].
 
-    Parameters
-    ----------
-    machine : Machine
-    speed : float
-        Speed [m/s].
-    method : str
-        Name of the method.
-    inputs : tuple of (str, float)
-        Additional inputs.
+    Takes speed [m/s].
     """
     return largest_stable_step(np.linalg.eigvals(steady(machine, speed, inputs)[1]), EXPLICIT[method])
 
@@ -203,15 +184,7 @@ def boundary(
 ) -> float:
     """Return the largest stable step by bisection on the growth of a perturbation, to 0.2 % [s].
 
-    Parameters
-    ----------
-    machine : Machine
-    speed : float
-        Speed [m/s].
-    method : int
-        Value of integration_method.
-    inputs : tuple of (str, float)
-        Additional inputs.
+    Takes speed [m/s].
     """
     low, high = 0.7 * limit(machine, speed, "RK4", inputs), 1.4 * limit(machine, speed, "RK4", inputs)
     while high / low > 1.002:

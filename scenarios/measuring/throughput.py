@@ -75,22 +75,7 @@ def controlled(
 ) -> tuple[float, np.ndarray]:
     """Run many bogies under the controller.
 
-    Parameters
-    ----------
-    model : Model
-    count : int
-        Number of instances.
-    steps : int
-        Number of control steps.
-    friction : float
-        Wheel-rail friction [1].
-    values : mapping
-        Further parameters.
-
-    Returns
-    -------
-    tuple of float and numpy.ndarray, shape (count,)
-        Wall time of the control steps [s], and distances [m].
+    Returns [s].
     """
     inputs = [f"{name}_{number}" for name in ("pressure_demand", "valve") for number in (1, 2)]
     outputs = ["speed", "distance", "wheel_speed_1", "wheel_speed_2"]

@@ -372,19 +372,7 @@ def one_stop(
 ) -> dict[str, float | None]:
     """Return the results of a stop at one adhesion utilisation.
 
-    Parameters
-    ----------
-    utilisation : float
-        Adhesion utilisation [1].
-    level : float
-        Level of detail, 1 to 3.
-    frame_height : float
-        Height of the frame's centre above the axles [m].
-
-    Raises
-    ------
-    ValueError
-        If the utilisation is not above 0, or the level unknown.
+    Takes frame_height [m].
     """
     if not utilisation > 0.0:
         raise ValueError(f"The adhesion utilisation of a stop must be above 0; got {utilisation:g}.")

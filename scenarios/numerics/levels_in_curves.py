@@ -84,21 +84,7 @@ def way_to_curve(radius: float) -> float:
 def resistance(radius: float, level: int, term: float, friction: float = FRICTION) -> float:
     """Return the resistance of a rolling bogie in a steady curve, from its loss of energy.
 
-    Parameters
-    ----------
-    radius : float
-        Radius of the curve [m].
-    level : int
-        Level of detail.
-    term : float
-        Factor on von Roeckl's term: 0 or 1.
-    friction : float
-        Wheel-rail friction [1].
-
-    Returns
-    -------
-    float
-        Share of the weight [1].
+    Takes radius [m]; returns [1].
     """
     kernel, first = start(radius, level, term, friction), way_to_curve(radius)
     series = play("bogie", kernel, 1.1 * (first + MEASURED) / speed_in(radius), 0.05, ("speed", "distance"), {})

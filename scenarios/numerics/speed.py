@@ -142,13 +142,7 @@ def fmu_timings(kind: str, level: int) -> list[Timing]:
 
 
 def old_and_new() -> ModuleType:
-    """Return the module that measures another revision.
-
-    Raises
-    ------
-    BadInputError
-        If the module is missing, as in a wheel.
-    """
+    """Return the module that measures another revision."""
     try:
         from scenarios.comparisons.peers import old_and_new
     except ModuleNotFoundError:

@@ -12,17 +12,7 @@ from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 
 
 def figure_of_causes(causes: Sequence[Cause], factor: float, level: int) -> Figure:
-    """Return a bar for each cause: Kdry_rst as it is, and without the cause.
-
-    Parameters
-    ----------
-    causes : sequence of Cause
-        Causes, the largest first.
-    factor : float
-        Kdry_rst with all of them.
-    level : int
-        Confidence level.
-    """
+    """Return a bar for each cause: Kdry_rst as it is, and without the cause."""
     figure, axes = plt.subplots(figsize=(9.5, 1.6 + 0.4 * max(1, len(causes))))
     for place, one in enumerate(causes):
         axes.barh(place, one.gain, left=factor, color=LEADING if place else TRAILING)

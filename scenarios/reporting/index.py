@@ -27,18 +27,7 @@ CHART_HEIGHT, LINE_HEIGHT = 190, 24
 
 
 def write_index(out: Path) -> tuple[Path, list[str]]:
-    """Write the index into the folder of the results.
-
-    Returns
-    -------
-    tuple of Path and list of str
-        Path of the page, and one message for each folder that is not shown.
-
-    Raises
-    ------
-    BadInputError
-        If the folder has neither runs nor sweeps.
-    """
+    """Write the index into the folder of the results."""
     texts = {scenario.name: scenario.summary for scenario in SCENARIOS}
     order = {name: place for place, name in enumerate(texts)}
     found = results_in(out)

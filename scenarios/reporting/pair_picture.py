@@ -22,17 +22,7 @@ LEAST_ANGLE, LEAST_SHIFT, LEAST_CONICITY = 0.1, 0.1, 1e-3
 
 
 def draw_pair(found: Running, patches: Patches | None = None, title: str = "") -> Figure:
-    """Draw a pair as it runs.
-
-    Parameters
-    ----------
-    found : Running
-        Its contacts.
-    patches : mapping, optional
-        Limits of the patches, which are then drawn in turns of three colours.
-    title : str
-        The message; by default the conicity.
-    """
+    """Draw a pair as it runs."""
     figure, grid = plt.subplots(3, 2, figsize=(9.5, 8.6), height_ratios=(0.55, 1.0, 1.0))
     for axis, one, word in zip(grid[0], found.sides.both, WORDS, strict=True):
         draw_contacts(axis, one, found, word, (patches or {}).get(word, ()))

@@ -66,20 +66,7 @@ def charts(
 ) -> tuple[Figure, list[Any]]:
     """Return a figure of charts in rows of some `columns`.
 
-    Parameters
-    ----------
-    message : str
-        Title of the figure.
-    titles : mapping or sequence of str
-        Titles of the charts, each with the label of its x axis, or all with `x_label`.
-    size : tuple of float, shape (2,)
-        Size of the figure [inch].
-    x_label : str
-        Label of all x axes, if `titles` is a sequence.
-    columns : int
-        Number of charts in a row.
-    options
-        Further arguments of `plt.subplots`.
+    Takes size [inch] (2,).
     """
     figure, grid = plt.subplots(math.ceil(len(titles) / columns), columns, figsize=size, squeeze=False, **options)
     for axis, title in zip(grid.flat, titles, strict=True):
@@ -105,13 +92,7 @@ def one_word(name: str) -> str:
 
 
 def message_of(figure: Figure) -> str:
-    """Return the message of a figure in one line.
-
-    Raises
-    ------
-    ValueError
-        If the figure has no message, or one of more than MOST_WORDS words.
-    """
+    """Return the message of a figure in one line."""
     words = [word.replace(NO_BREAK, " ") for word in re.split("[ \n]+", figure.get_suptitle()) if word]
     if not words:
         raise ValueError("A figure must have a message. Set it with scenarios.reporting.plots.titled.")
@@ -143,14 +124,7 @@ def legend_above(axis: Axes, columns: int = 2) -> None:
 def write_at(axis: Axes, place: tuple[float, float], text: str, colour: str, **options: Any) -> None:
     """Write the name of a line in its colour at a place.
 
-    Parameters
-    ----------
-    axis : Axes
-    place : tuple of float, shape (2,)
-        Place in the units of the axes.
-    text, colour : str
-    options
-        Further arguments of `Axes.annotate`.
+    Takes place (2,).
     """
     axis.annotate(text, place, **{"color": colour, "fontsize": "large", "va": "center"} | options)
 

@@ -129,20 +129,7 @@ def measured(
     asked: Bound | None = None,
     assumption: str = "",
 ) -> Row:
-    """Return a row of a quantity that the thesis does not report.
-
-    Parameters
-    ----------
-    quantity, unit : str
-    value : float, optional
-        In the unit; an integer remains an integer. None: missing.
-    source : str
-        Source of the limits, or of the value.
-    asked : Bound, optional
-        Limits; None: the row has no verdict.
-    assumption : str
-        Assumptions, or the reason for missing limits.
-    """
+    """Return a row of a quantity that the thesis does not report."""
     found = value if value is None or isinstance(value, int) else float(value)
     return Row(quantity, unit, None, found, asked, source, assumption)
 
@@ -195,18 +182,7 @@ class Report:
 
 
 def value_of(rows: Sequence[Row], quantity: str) -> float:
-    """Return the simulated value of a quantity.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-    quantity : str
-
-    Raises
-    ------
-    LookupError
-        If no row has the quantity, or its value is missing.
-    """
+    """Return the simulated value of a quantity."""
     for row in rows:
         if row.quantity == quantity and row.simulated is not None:
             return row.simulated
@@ -218,29 +194,7 @@ def save(
 ) -> Path:
     """Write results/NAME in one move: a run that fails leaves the folder unchanged.
 
-    Parameters
-    ----------
-    report : Report
-    name : str
-        Name of the scenario.
-    out : Path
-        Folder of all results.
-    wall_seconds : float
-        Wall time of the run [s].
-    further : callable, optional
-        Writes further files into the folder after all others.
-
-    Returns
-    -------
-    Path
-        The folder. Its summary.json has the message of each figure.
-
-    Raises
-    ------
-    ValueError
-        If a figure has no message.
-    StorageError
-        If the folder cannot be written.
+    Takes wall_seconds [s].
     """
     out.mkdir(parents=True, exist_ok=True)
     partial = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=out))

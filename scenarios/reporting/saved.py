@@ -90,15 +90,7 @@ def results_in(out: Path) -> Results:
 
 
 def read(folder: Path) -> Run | Sweep:
-    """Return the contents of one folder.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be read.
-    ValueError
-        If the folder is not complete or an entry is invalid; the text states the fault.
-    """
+    """Return the contents of one folder."""
     path = folder / "summary.json"
     if not path.exists():
         raise ValueError(unfinished(folder))
@@ -150,13 +142,7 @@ def check_row(row: Any, what: str) -> None:
 
 
 def verdict(row: Mapping[str, Any], what: str) -> bool | None:
-    """Return whether a saved row is within its own limits; None if it has none.
-
-    Raises
-    ------
-    ValueError
-        If the limits are not two numbers or null.
-    """
+    """Return whether a saved row is within its own limits; None if it has none."""
     limits = member(row, "limits", what)
     if limits is None:
         return None

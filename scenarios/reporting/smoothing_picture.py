@@ -37,13 +37,7 @@ def draw_smoothing(profiles: Sequence[Profile]) -> Figure:
 
 
 def distance_of_points(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
-    """Return y of the points up to the slope STEEPEST, and their distances above the contour, square to it [m].
-
-    Raises
-    ------
-    ValueError
-        If the profile has no points.
-    """
+    """Return y of the points up to the slope STEEPEST, and their distances above the contour, square to it [m]."""
     y, z = _points(profile).T
     slope = profile.height(y, 1)
     kept = np.maximum(np.abs(slope), np.abs(np.gradient(z, y))) < STEEPEST

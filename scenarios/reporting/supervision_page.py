@@ -54,25 +54,7 @@ def page_of_supervision(
 ) -> str:
     """Return the text of the page.
 
-    Parameters
-    ----------
-    title : str
-        Title of the page.
-    limits : Curves
-        Limits of one target.
-    ends : float
-        Place that no train may pass [m].
-    gradients : Gradients
-        Of the line.
-    stops : sequence of tuple
-        Places of the front [m] and its speeds [m/s] in the train's own stops.
-    tables : sequence of Table
-        Tables below the chart.
-
-    Returns
-    -------
-    str
-        HTML that loads no other file.
+    Takes ends [m], stops [m].
     """
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, row_heights=list(HEIGHTS), vertical_spacing=0.06)
     for name, colour, dash, first in LINES:

@@ -26,16 +26,7 @@ def figure_of_supervision(
 ) -> Figure:
     """Return the limits over the line and own stops, above the gradient of a line that is not level.
 
-    Parameters
-    ----------
-    limits : Curves
-        Limits of one target.
-    ends : float
-        Place that no train may pass [m].
-    gradients : Gradients
-        Of the line.
-    stops : sequence of tuple
-        Places of the front [m] and its speeds [m/s] in the train's own stops.
+    Takes ends [m], stops [m].
     """
     rows = (4.0, 1.0) if np.any(gradients.permille) else (5.0,)
     figure, drawn = plt.subplots(len(rows), 1, figsize=(9.0, 6.5), height_ratios=rows, sharex=True, squeeze=False)

@@ -35,20 +35,7 @@ def brake(
 ) -> tuple[Recording, list[str], str]:
     """Run at 25 m/s with constant torques from t = 4 s.
 
-    Parameters
-    ----------
-    options : Options
-    level : int
-        Level of detail.
-    torques : tuple of float, shape (2,)
-        Torque on each wheelset [N.m].
-    reaction : float
-        Share of the torques that acts on the frame [1].
-
-    Returns
-    -------
-    tuple of Recording, list of str and str
-        The recording, the messages of the log, and the GUID of the FMU.
+    Takes torques [N.m] (2,).
     """
     with open_bogie(options, level=level, initial_speed=INITIAL_SPEED, torque_reaction=reaction) as bogie:
         bogie.start(friction_1=FRICTION, friction_2=FRICTION)
@@ -174,28 +161,7 @@ def one_stop(
 ) -> dict[str, float | None]:
     """Return the results of one stop at the planar level, braked from t = 0.
 
-    Parameters
-    ----------
-    friction : float
-        Wheel-rail friction [1].
-    brake_torque_1, brake_torque_2 : float
-        Torque on each wheelset [N.m].
-    frame_height : float
-        Height of the frame's centre above the axles [m].
-    initial_speed : float
-        Initial speed [m/s].
-    torque_reaction : float
-        Share of the torques that reacts on the frame [1].
-
-    Returns
-    -------
-    dict of str to float or None
-        A lock time is None for a wheelset that turns until rest.
-
-    Raises
-    ------
-    ValueError
-        If the bogie still moves after LONGEST_STOP.
+    Takes brake_torque_1, brake_torque_2 [N.m], frame_height [m], initial_speed [m/s].
     """
     values = {"frame_height": frame_height, "torque_reaction": torque_reaction}
     kernel = prepare("bogie", level=2, initial_speed=initial_speed, **values)

@@ -46,22 +46,7 @@ def brake_until_lock_or_rest(
 ) -> tuple[bool, float]:
     """Return whether the trailing wheelset locks while the bogie still moves, and the time until lock or rest.
 
-    Parameters
-    ----------
-    brake, bogie : FmuInstance
-    pressure : int
-        Cylinder pressure [kPa].
-    shoe_friction, friction : float
-        Friction of the shoes, and of wheel and rail [1].
-    step : float
-        Communication step [s].
-    reaction : float
-        Share of the brake torque that reacts on the frame [1].
-
-    Returns
-    -------
-    tuple of bool and float
-        True if it locks; time from the application of the brake at t = 0 [s].
+    Takes pressure [kPa], step [s]; returns [s].
     """
     brake.restart(qr30(pressure).values() | {"constant_shoe_friction": shoe_friction}, pressure_demand=1e3 * pressure)
     parameters = bogie_parameters(set(bogie.units), pressure) | {"torque_reaction": reaction}
@@ -79,22 +64,7 @@ def boundary(
 ) -> tuple[float, float]:
     """Return the shoe friction at which the wheelset just locks.
 
-    Parameters
-    ----------
-    brake, bogie : FmuInstance
-    pressure : int
-        Cylinder pressure [kPa].
-    friction : float
-        Wheel-rail friction [1].
-    step : float
-        Communication step [s].
-    reaction : float
-        Share of the brake torque that reacts on the frame [1].
-
-    Returns
-    -------
-    tuple of float
-        Shoe friction to RESOLUTION [1], and simulated time of the search [s].
+    Takes pressure [kPa], step [s]; returns [1].
     """
     seconds = 0.0
 

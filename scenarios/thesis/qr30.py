@@ -72,13 +72,7 @@ def _judge(series: Recording, guids: Mapping[str, str], applied: float) -> Run:
 def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, friction: float = FRICTION) -> Run:
     """Couple pressure demand at BRAKE_TIME -> BrakeCylinder -> BogieDynamics, and the wheel speed back.
 
-    Parameters
-    ----------
-    options : Options
-    pressure : int
-        Pressure demand [kPa].
-    shoe_friction, friction : float
-        Friction of the shoes, and of wheel and rail [1].
+    Takes pressure [kPa].
     """
     brake_values = qr30(pressure).values() | {"constant_shoe_friction": shoe_friction}
     with open_brake(options, **brake_values) as brake, open_bogie(options) as bogie:
@@ -111,17 +105,7 @@ def brake_by_history(
 ) -> Run:
     """Run with a torque history on the trailing wheelset instead of the brake cylinder, for the length of the history.
 
-    Parameters
-    ----------
-    options : Options
-    pressure : int
-        Pressure of the trial [kPa].
-    times : numpy.ndarray, shape (n,)
-        Times [s].
-    torques : numpy.ndarray, shape (n,)
-        Torques [N.m].
-    values : mapping, optional
-        Parameters other than those of the experiment's bogie.
+    Takes pressure [kPa], times [s] (n,), torques [N.m] (n,).
     """
     with open_bogie(options) as bogie:
         used = bogie_parameters(set(bogie.units), pressure) | dict(values or {})

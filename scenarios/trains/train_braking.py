@@ -117,14 +117,7 @@ def draw(drawn: Mapping[str, tuple[Train, Course]]) -> Figure:
 def point(length: float = DRAWN, load: float = 60e3, position: float = 0.0) -> dict[str, float | None]:
     """Return the results of one emergency.
 
-    Parameters
-    ----------
-    length : float
-        Length of the train [m].
-    load : float
-        Load of each wagon [kg].
-    position : float
-        0 P, 1 G.
+    Takes length [m], load [kg].
     """
     train = Train(train_of(length, load=load, position="G" if position else "P"), speed=SPEED)
     train.drive("emergency")

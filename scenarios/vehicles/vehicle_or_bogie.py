@@ -59,18 +59,7 @@ def start(name: str, friction: float, level: int = PLANAR) -> Kernel:
 def brake(name: str, friction: float, share: float, ramp: float, duration: float) -> tuple[Kernel, Recording]:
     """Run with all brakes at a share of the static torque.
 
-    Parameters
-    ----------
-    name : str
-        Name of the FMU.
-    friction : float
-        Wheel-rail friction [1].
-    share : float
-        Torque over that of the adhesion limit [1].
-    ramp : float
-        Time over which the torque grows [s].
-    duration : float
-        Simulated time [s].
+    Takes ramp [s], duration [s].
     """
     kernel, torque = start(name, friction), share * static_torque(friction)
     read = ("speed", "distance", "acceleration", *(f"axle_load_{n}" for n in OWN[name]))

@@ -14,17 +14,7 @@ PLACES = [
 
 
 def filled(template: str, filters: dict[str, Callable[..., Any]] | None = None, **parts: Any) -> str:
-    """Return the text of a page; its parts are escaped, except those that the template marks as safe.
-
-    Parameters
-    ----------
-    template
-        Name of a file in PLACES; it extends `frame.html.jinja`.
-    filters
-        Functions by name, which the template applies after a bar.
-    parts
-        Variables of the template by name. `data` becomes DATA of the scripts.
-    """
+    """Return the text of a page; its parts are escaped, except those that the template marks as safe."""
     from jinja2 import Environment, FileSystemLoader  # not for commands without pages
 
     environment = Environment(loader=FileSystemLoader(PLACES), autoescape=True, trim_blocks=True)

@@ -137,11 +137,6 @@ def exact(space: HalfSpace, creepages: np.ndarray, start: StickAndSlip | None = 
     forces: (F_x, F_y) on the wheel over mu N. Kalker's algorithm TANG: cells stick until the stress would exceed the
     bound. They stick again if they would slip along their stress. Each change includes one step of Newton's method.
     start: a solution nearby.
-
-    Raises
-    ------
-    ArithmeticError
-        If the iteration does not converge.
     """
     count = space.y.size
     sticks, stress = np.ones(count, bool), np.zeros(2 * count)

@@ -84,11 +84,6 @@ def column(name: str, nu: float = POISSON_RATIO) -> tuple[float, ...]:
 
     Between its three ratios 1/c is a parabola in nu, as in CONTACT (v25, m_hertz.f90, linrol): within 1 % of exact
     theory at 0.28, as the table itself is at 0.25.
-
-    Raises
-    ------
-    ValueError
-        If the ratio is not from 0 to 0.5.
     """
     if checked_ratio(nu) in RATIOS:
         return TABLE[name][RATIOS.index(nu)]

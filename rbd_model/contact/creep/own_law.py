@@ -21,18 +21,6 @@ def check_own_law(law: Callable[[ContactPatch], Any], name: str) -> None:
     """Check that a law returns two forces that are finite without creepage and oppose it, Kalker (1990).
 
     Their size is not checked: Kalker's linear law has no limit either.
-
-    Parameters
-    ----------
-    law : callable
-        The law.
-    name : str
-        Its name in messages.
-
-    Raises
-    ------
-    ValueError
-        If the law fails or one of these conditions is not met.
     """
     creepages = ca.SX.sym("creepages", 3)
     patch = ContactPatch(

@@ -38,11 +38,6 @@ def strips(count: int) -> GaussStrips:
     """Return Gauss's points. Friction and the force of spin add up exactly, that of creepage up to `creepage_share`.
 
     Bound and stress of spin vary with the square of a strip's length, that of creepage with its length: Kalker (1967).
-
-    Raises
-    ------
-    ValueError
-        If `count` is odd or below 2.
     """
     if count < 2 or count % 2:
         raise ValueError(f"The number of strips is {count}; it must be even, so that no strip lies in the middle.")

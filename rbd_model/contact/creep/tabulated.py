@@ -200,14 +200,7 @@ static void {name}(const double *arguments, const double *constants, double *res
 
 
 def read_creep_table(path: Path) -> CreepTable:
-    """Return a table from a file of COLUMNS, in any order of rows.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read as it is meant, places are missing, or a row is not at a place of the table or is at
-        that of another row.
-    """
+    """Return a table from a file of COLUMNS, in any order of rows."""
     read = read_table(path, [Column(name, required=True) for name in COLUMNS])
     rows = np.column_stack([read.numbers[name] for name in COLUMNS])
     places = axes()

@@ -179,13 +179,7 @@ def git(*words: str) -> str | None:
 
 
 def commit_of(revision: str) -> str:
-    """Return the commit of a revision that can be measured.
-
-    Raises
-    ------
-    BadInputError
-        If git or the revision is missing, or if the revision is too old.
-    """
+    """Return the commit of a revision that can be measured."""
     top = git("rev-parse", "--show-toplevel")
     if top is None or Path(top).resolve() != ROOT:
         raise BadInputError("--against needs git and a checkout of the repository: run speed in one.")
@@ -201,13 +195,7 @@ def commit_of(revision: str) -> str:
 
 
 def unpack(commit: str, folder: Path) -> Path:
-    """Unpack the files of a commit into a new folder.
-
-    Raises
-    ------
-    BadInputError
-        If git cannot unpack it.
-    """
+    """Unpack the files of a commit into a new folder."""
     archive = folder.with_suffix(".tar")
     if git("archive", "--format=tar", f"--output={archive}", commit) is None:
         raise BadInputError(f"git cannot unpack {commit}; look whether {folder.parent} has room.")
@@ -234,13 +222,7 @@ class Tree:
         )
 
     def ask(self, job: str, **values: Any) -> dict[str, Any]:
-        """Return the result of one job.
-
-        Raises
-        ------
-        BadInputError
-            If the process ends.
-        """
+        """Return the result of one job."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         try:
@@ -313,15 +295,7 @@ def case_rows(trees: dict[str, Tree]) -> list[Row]:
 def build(tree: Tree, work: Path, built: Callable[[], object]) -> tuple[float, dict[str, int]]:
     """Build all FMUs of a revision with an empty cache.
 
-    Returns
-    -------
-    tuple of float and dict of str to int
-        Wall time [s], and bytes of the native binaries by FMU.
-
-    Raises
-    ------
-    BadInputError
-        If the build fails.
+    Returns [s].
     """
     out, cache = work / f"{tree.name}-fmus", work / f"{tree.name}-cache"
     environment = os.environ | {"PYTHONPATH": str(tree.folder), "BOGIE_BRAKING_CACHE": str(cache)}

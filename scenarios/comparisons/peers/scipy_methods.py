@@ -68,15 +68,7 @@ class _Equations:
 def scipy(scene: Scene, method: str, tolerance: float, budget: float = BUDGET) -> Run:
     """Run SciPy's integrators between corners and switches.
 
-    Parameters
-    ----------
-    scene : Scene
-    method : str
-        Name of SciPy's method.
-    tolerance : float
-        Relative tolerance; the absolute one is in nominal values, as ours.
-    budget : float
-        Time limit [s].
+    Takes budget [s].
     """
     kernel, form = scene.kernel(), layout_of(scene)
     columns = [form.kept.index(name) for name in scene.read]

@@ -125,13 +125,7 @@ class Integrator:
             self._slope[:] = np.where(self.differential, slope, 0.0)
 
     def advance(self, end: float) -> None:
-        """Restart with the kernel's present inputs, and run to `end` [s], through switches.
-
-        Raises
-        ------
-        SimulationError
-            If SUNDIALS fails, or after the time limit.
-        """
+        """Restart with the kernel's present inputs, and run to `end` [s], through switches."""
         session = self.session
         while session.time < end and not self.kernel.ended:
             session.end = end
@@ -156,15 +150,7 @@ class Integrator:
 def sundials(scene: Scene, method: str, tolerance: float, budget: float = BUDGET / 2) -> Run:
     """Run CVODE or IDA through a case, restarted at each corner of the inputs and each switch.
 
-    Parameters
-    ----------
-    scene : Scene
-    method : str
-        "CVODE" or "IDA".
-    tolerance : float
-        Relative tolerance.
-    budget : float
-        Time limit [s].
+    Takes budget [s].
     """
     kernel, wanted = scene.kernel(), scene.times()
     integrator = Integrator(method, kernel, scene, tolerance, wanted.size)
@@ -192,24 +178,7 @@ TORQUE, SWING, FREQUENCY, HOSTED = 16e3, 4e3, 0.5, 8.0
 def hosted_seconds(method: str, step: float, tolerance: float) -> tuple[float, float]:
     """Run a host that sets a torque at each communication step, in C, without Python's overhead.
 
-    Parameters
-    ----------
-    method : str
-        "CVODE", restarted at each step, or "own".
-    step : float
-        Communication step [s].
-    tolerance : float
-        Relative tolerance.
-
-    Returns
-    -------
-    tuple of float
-        Wall time of one step [s], and final distance [m].
-
-    Raises
-    ------
-    SimulationError
-        If a step fails.
+    Takes step [s]; returns [s].
     """
     kernel = SMOOTH.kernel(tolerance=tolerance if method == "own" else 1e-6)
     integrator = Integrator("CVODE", kernel, SMOOTH, tolerance, 0)

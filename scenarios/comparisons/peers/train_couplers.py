@@ -82,18 +82,7 @@ def functions() -> ctypes.CDLL:
 def rates(coupler: Coupler, way: Matrix, rest: Matrix, rate: Matrix) -> tuple[Matrix, Matrix]:
     """Evaluate the laws of equal couplers.
 
-    Parameters
-    ----------
-    coupler : Coupler
-    way, rest : numpy.ndarray, shape (n,)
-        Strokes and rest positions [m].
-    rate : numpy.ndarray, shape (n,)
-        Rates of the strokes [m/s].
-
-    Returns
-    -------
-    tuple of numpy.ndarray, shape (n,)
-        Forces [N], and rates of the rest positions over those of the strokes [1].
+    Takes way, rest [m] (n,), rate [m/s] (n,); returns [N].
     """
     given = np.array(coupler.constants())
     force, yields = np.empty(len(way)), np.empty(len(way))
@@ -281,16 +270,7 @@ def recorded(consist: Consist, long: float) -> tuple[Matrix, float]:
 def braked_train(load: float, wagons: int = WAGONS, long: float = LONG, coupler: Coupler | None = None) -> BrakedTrain:
     """Return a locomotive and wagons.
 
-    Parameters
-    ----------
-    load : float
-        Load of each wagon [kg].
-    wagons : int
-        Number of wagons.
-    long : float
-        Simulated time [s].
-    coupler : Coupler, optional
-        Draft gears by default.
+    Takes load [kg], long [s].
     """
     own = coupler or draft_gear()
     vehicles = [replace(one, coupler=own) for one in block_train(wagons, load=load).vehicles]

@@ -82,13 +82,7 @@ def reference_of(scene: Scene) -> tuple[Run, str]:
 
 
 def refer(scene: Scene) -> tuple[dict[str, float], float, tuple[str, str]]:
-    """Return the measures of the reference, its uncertainty, and the names of both references.
-
-    Raises
-    ------
-    RuntimeError
-        If both references fail.
-    """
+    """Return the measures of the reference, its uncertainty, and the names of both references."""
     (first, word), tolerance = reference_of(scene), scene.references[1]
     second = own(scene, tolerance=tolerance)
     if first.failure or second.failure:
