@@ -1,4 +1,4 @@
-"""Wheels: all packages below one name, `bogie_braking`; imports between them are rewritten.
+"""Wheels: all packages but `evidence` below one name, `bogie_braking`; imports between them are rewritten.
 
 A wheel with the compiled files of `make release` is for one platform; without them it is for all.
 """
@@ -15,8 +15,6 @@ NAME = "bogie_braking"
 #: Packages and the modules next to them in a checkout; in a wheel they are below NAME.
 ROOMS = ("readers", "fmu_src", "rbd_model", "brake_controller", "products", "scenarios")
 BESIDE = ("build_fmu.py",)
-#: Experiments that need a checkout.
-LEFT_OUT = ("scenarios/comparisons", "scenarios/benchmark/peers")
 #: At the beginning of a line that imports from a room. Our code has no other form (tests/test_architecture.py).
 IMPORTS = re.compile(rf"^(\s*from )((?:{'|'.join([*ROOMS, *(name[:-3] for name in BESIDE)])})\b)", re.MULTILINE)
 
@@ -42,8 +40,7 @@ class CustomBuildHook(BuildHookInterface):
         places = {root / NAME: NAME} | {root / room: f"{NAME}/{room}" for room in ROOMS}
         for place, inside in places.items():
             for path in sorted(place.rglob("*")):
-                left_out = any(path.is_relative_to(root / one) for one in LEFT_OUT)
-                if path.is_file() and "__pycache__" not in path.parts and not left_out:
+                if path.is_file() and "__pycache__" not in path.parts:
                     self.add(path, f"{inside}/{path.relative_to(place).as_posix()}", build_data)
         for name in BESIDE:
             self.add(root / name, f"{NAME}/{name}", build_data)

@@ -20,6 +20,9 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
+from bogie_braking.live.page import write_page
+from bogie_braking.live.train_page import PAGE as TRAIN_PAGE
+from bogie_braking.live.train_page import write_train_page
 from brake_controller.protection_fmu import BOGIE
 from fmu_src import __version__
 from fmu_src.archive import write_archive
@@ -41,9 +44,6 @@ from products.train.coupler_fmu import coupler_in_c
 from products.train.fmu import train_in_c
 from readers.command_line import CommandLine, check_folder
 from readers.text import BadInputError
-from scenarios.live.page import write_page
-from scenarios.live.train_page import PAGE as TRAIN_PAGE
-from scenarios.live.train_page import write_train_page
 
 #: Wheelsets of the FMUs of wheel-speed sensors: those of the bogie, and of a vehicle with two bogies.
 SENSORS = (BOGIE, 2 * BOGIE)

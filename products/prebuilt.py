@@ -26,7 +26,7 @@ PICTURES = Path(__file__).parent / "pictures"
 SOURCES = ("readers", "fmu_src", "rbd_model", "brake_controller", "products")
 #: The live page in the folder, and its sources.
 PAGE = "live.html"
-PAGE_SOURCES = (*SOURCES, "scenarios/live", "scenarios/web", "scenarios/reporting/motion.py")
+PAGE_SOURCES = (*SOURCES, "bogie_braking/live", "bogie_braking/web", "bogie_braking/reporting/motion.py")
 
 
 def sources_here() -> str:

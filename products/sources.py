@@ -10,10 +10,12 @@ from pathlib import Path
 from fmu_src import __version__
 
 ROOT = Path(__file__).resolve().parents[1]
-#: The packages; each may import those before it.
+#: The public package, which in a wheel has all others inside.
+PUBLIC = "bogie_braking"
+#: The packages of a wheel next to `bogie_braking`; each may import those before it, scenarios also `bogie_braking`.
 ROOMS = ("readers", "fmu_src", "rbd_model", "brake_controller", "products", "scenarios")
 #: All packages with the public API.
-HOUSE = (*ROOMS, "bogie_braking")
+HOUSE = (*ROOMS, PUBLIC)
 #: Kinds of source files that affect results; and with further files of FMUs and pages.
 CODE = {".py", ".c", ".h"}
 KINDS = CODE | {".cpp", ".cs", ".png", ".js", ".css", ".jinja", ".npz", ".toml"}
@@ -24,7 +26,7 @@ PREBUILT = ROOT / "products" / "prebuilt"
 def digest(*places: str, kinds: Collection[str] = KINDS) -> str:
     """Return a digest of the sources of some kinds in folders, and of files, by their paths from the root."""
     found = hashlib.sha256()
-    for path in sorted((path for place in places for path in _sources(ROOT / place, kinds)), key=_name):
+    for path in sorted((path for place in places for path in _sources(_place(place), kinds)), key=_name):
         found.update(_name(path).encode())
         found.update(content(path))
     return found.hexdigest()[:24]
@@ -40,8 +42,12 @@ def _sources(place: Path, kinds: Collection[str]) -> list[Path]:
     return [path for path in found if not path.is_relative_to(PREBUILT)]
 
 
+def _place(name: str) -> Path:
+    return ROOT.parent / name if ROOT.name == PUBLIC and name.startswith(f"{PUBLIC}/") else ROOT / name
+
+
 def _name(path: Path) -> str:
-    return path.relative_to(ROOT).as_posix()
+    return path.relative_to(ROOT).as_posix().removeprefix(f"{PUBLIC}/")
 
 
 def versions() -> dict[str, str]:

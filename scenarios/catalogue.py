@@ -1,7 +1,9 @@
 """All scenarios. A new one is a file and one entry here."""
 
+from importlib import import_module
 from importlib.util import find_spec
 
+from bogie_braking.reporting.scenario import BadInputError, Scenario
 from fmu_src.suggestion import suggestion
 from scenarios.brakes import (
     anti_skid,
@@ -14,11 +16,9 @@ from scenarios.brakes import (
     sanding,
     uneven_brakes,
 )
-from scenarios.contact import contact_manchester, contact_model, creep_laws, flange_climb
+from scenarios.contact import contact_manchester, flange_climb
 from scenarios.coupling import coupling_step
 from scenarios.lines import curve_braking, curve_steering, flexible_track, gradient, line_from_file, transition
-from scenarios.numerics import levels, levels_in_curves, oracle, speed, stability_atlas
-from scenarios.scenario import BadInputError, Scenario
 from scenarios.thesis import (
     asymmetric_braking,
     bogie_irregularities,
@@ -31,8 +31,6 @@ from scenarios.thesis import (
     heavy_braking,
     lock_boundary,
     qr30,
-    sensitivity,
-    thesis_step,
     traction_braking,
     wheelset_constant_speed,
     wheelset_skid,
@@ -41,7 +39,6 @@ from scenarios.thesis import (
 )
 from scenarios.trains import (
     braking_distance,
-    train_brake_evidence,
     train_brake_models,
     train_brakes,
     train_braking,
@@ -80,7 +77,6 @@ SCENARIOS: list[Scenario] = [
     contact_geometry.SCENARIO,
     creep_forces.SCENARIO,
     contact_manchester.SCENARIO,
-    contact_model.SCENARIO,
     flange_climb.SCENARIO,
     wheelset_constant_speed.SCENARIO,
     wheelset_torque.SCENARIO,
@@ -113,7 +109,6 @@ SCENARIOS: list[Scenario] = [
     train_brakes.SCENARIO,
     train_release.SCENARIO,
     train_build_up.SCENARIO,
-    train_brake_evidence.SCENARIO,
     train_brake_models.SCENARIO,
     train_coupling.SCENARIO,
     train_descent.SCENARIO,
@@ -123,22 +118,15 @@ SCENARIOS: list[Scenario] = [
     train_timetable.SCENARIO,
     train_track_brakes.SCENARIO,
     train_one_vehicle_in_detail.SCENARIO,
-    creep_laws.SCENARIO,
     coupling_step.SCENARIO,
-    sensitivity.SCENARIO,
-    oracle.SCENARIO,
-    levels.SCENARIO,
-    levels_in_curves.SCENARIO,
-    speed.SCENARIO,
-    stability_atlas.SCENARIO,
-    thesis_step.SCENARIO,
 ]
-#: Comparisons with other programs, which are in a checkout but not in a wheel (hatch_build.py).
-COMPARISONS = ("speed-accuracy", "throughput", "train-methods")
-if find_spec(f"{__package__}.comparisons"):
-    from scenarios.comparisons import speed_accuracy, throughput, train_methods
-
-    SCENARIOS += [speed_accuracy.SCENARIO, throughput.SCENARIO, train_methods.SCENARIO]
+#: Scenarios of evidence/, which a checkout has and a wheel has not (hatch_build.py).
+EVIDENCE = (
+    *("contact-model", "creep-laws", "sensitivity", "oracle", "levels", "levels-in-curves", "speed", "stability-atlas"),
+    *("thesis-step", "train-brake-evidence", "speed-accuracy", "throughput", "train-methods"),
+)
+if __package__ == "scenarios" and find_spec("evidence"):
+    SCENARIOS += import_module("evidence.catalogue").SCENARIOS
 
 
 def find(name: str) -> Scenario:
@@ -146,7 +134,7 @@ def find(name: str) -> Scenario:
     by_name = {scenario.name: scenario for scenario in SCENARIOS}
     if name in by_name:
         return by_name[name]
-    if name in COMPARISONS:
-        raise BadInputError(f"{name} needs a checkout of the repository: no wheel has what it compares with.")
+    if name in EVIDENCE:
+        raise BadInputError(f"{name} needs a checkout of the repository: no wheel has its references.")
     shown = "'python -m bogie_braking list' shows what there is."
     raise BadInputError(f"There is no scenario {name}; {suggestion(name, by_name, shown)}")

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from evidence.measuring.protected_throughput import LetAllGo, LetGo, in_c
 from products.machine import Machine, bogie, coach
 from products.protection import controller_kinds as module
 from products.protection.controller_kinds import Arrays
@@ -16,7 +17,6 @@ from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Fault, Run
 from products.protection.settings import Settings
-from scenarios.measuring.protected_throughput import LetAllGo, LetGo, in_c
 
 RUNS = [Run(rail.values()) for rail in RAILS[:3]]
 

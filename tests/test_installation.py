@@ -22,12 +22,12 @@ from packaging.tags import platform_tags
 
 import release
 from bogie_braking.exit_status import BAD_INPUT, DOES_NOT_HOLD
+from bogie_braking.live.page import page
 from fmu_src import __version__
 from fmu_src.compile import CACHE, compiler
 from fmu_src.native_fmu import PLATFORMS
 from products.sources import HOUSE, ROOMS
-from scenarios.catalogue import COMPARISONS, SCENARIOS
-from scenarios.live.page import page
+from scenarios.catalogue import EVIDENCE, SCENARIOS
 
 #: The compiled FMU of the scenario that these tests run; a release compiles more.
 FMUS = ["wheelset"]
@@ -235,11 +235,9 @@ def test_the_page_of_the_public_face_runs_from_a_wheel(installed: Path, tmp_path
 
 def test_comparisons_with_other_programs_need_a_checkout(installed: Path, tmp_path: Path) -> None:
     listed = call(installed, tmp_path, "-m", "bogie_braking", "list", "--quiet").split()
-    assert {one.name for one in SCENARIOS} - set(listed) == set(COMPARISONS)
-    asked = {"throughput": "throughput needs a checkout", "speed --against HEAD": "--against needs git and a checkout"}
-    for words, sentence in asked.items():
-        shown = call(installed, tmp_path, "-m", "bogie_braking", "run", *words.split(), status=BAD_INPUT)
-        assert shown.startswith(sentence)
+    assert {one.name for one in SCENARIOS} - set(listed) == set(EVIDENCE)
+    shown = call(installed, tmp_path, "-m", "bogie_braking", "run", "throughput", status=BAD_INPUT)
+    assert shown.startswith("throughput needs a checkout")
 
 
 def test_a_wheel_that_is_uninstalled_leaves_nothing(wheels: Path, tmp_path: Path) -> None:
@@ -267,8 +265,8 @@ def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
 
 
 ROOT = Path(release.__file__).parent
-#: Packages whose presence is checked before the import (`scenarios/comparisons/peers/sundials.py: is_installed`,
-#: `products/study/cluster.py: client_of`, `bogie_braking/commands/shared.py: look_for_plotly`), or at the beginning
+#: Packages whose presence is checked before the import (`evidence/peers/sundials.py: is_installed`,
+#: `products/study/cluster.py: client_of`, `bogie_braking/common_options.py: look_for_plotly`), or at the beginning
 #: of the only file that imports them (`bogie_braking/gym.py`).
 LOOKED_FOR = {"sksundae", "distributed", "plotly", "gymnasium"}
 #: Other programs of the benchmark: `version` of each adapter checks its package, and a wheel has no adapters.

@@ -11,11 +11,11 @@ from matplotlib import pyplot as plt
 
 import bogie_braking as bb
 from bogie_braking.__main__ import main
+from bogie_braking.reporting.line_picture import with_places_between
 from rbd_model.track.line import Line, read_line
 from rbd_model.track.line_check import GRAVITY, check_line
 from rbd_model.track.line_table import GAUGE
 from readers.text import BadInputError
-from scenarios.reporting.line_picture import with_places_between
 
 ELEMENTS = (
     "type,length,radius,cant [mm]\nstraight,100,,\nclothoid,80,,\narc,200,-400,120\nclothoid,80,,\nstraight,50,,\n"

@@ -9,7 +9,10 @@ from zipfile import ZipFile
 import pytest
 
 import build_fmu
+from bogie_braking.controllers.controller_loader import fmu_names, in_c, in_fmu
+from bogie_braking.reporting.scenario import BadInputError
 from brake_controller.wheel_slide import NOT_JUDGED
+from evidence.measuring.protected_throughput import SHARE, SOURCE, LetGo
 from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.kernel import SimulationError
 from products.machine import bogie, coach
@@ -21,9 +24,6 @@ from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Run
 from products.protection.settings import Settings
-from scenarios.controllers.controller_loader import fmu_names, in_c, in_fmu
-from scenarios.measuring.protected_throughput import SHARE, SOURCE, LetGo
-from scenarios.scenario import BadInputError
 
 NAMES = {
     count: Names(

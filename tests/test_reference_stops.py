@@ -1,17 +1,16 @@
 """The built-in protection as a C library: it compiles as C and C++, and its reference stops show an altered port."""
 
 import re
-import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
 from bogie_braking.__main__ import main
+from bogie_braking.controllers import reference
 from brake_controller.slide_protection import one_file, slide_sources
 from products.protection.controller_kinds import InC, compiled
 from products.protection.reference_stops import STOPS, looks_of
-from scenarios.controllers import reference
 from tests.needed import needed
 
 ROOT = Path(__file__).parent.parent
@@ -98,14 +97,6 @@ def test_all_commands_occur_with_each_number_of_wheelsets() -> None:
         commands = {valve for look in looks_of(stop) for valve in look.valves}
         assert commands == ({0} if stop.name == "dry" else {0, 1, 2}), stop.name
     assert {stop.wheelsets for stop in STOPS} == {1, 2, 4}
-
-
-def test_a_port_to_rust_gives_all_commands(tmp_path: Path) -> None:
-    rustc = shutil.which("rustc") or pytest.skip("rustc is not installed")
-    library = tmp_path / "libport.so"
-    port = ROOT / "docs/ports/wheel_slide.rs"
-    subprocess.run([rustc, "-O", "--edition", "2021", "--crate-type", "cdylib", port, "-o", library], check=True)
-    assert differences(InC(library)) == {}
 
 
 def test_the_linter_finds_the_documented_deviations_only(folder: Path) -> None:

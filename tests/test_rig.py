@@ -15,15 +15,18 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.signal import lsim
 
+from bogie_braking.controllers.scoring import ideal_distance
 from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.slide_protection import RIG, slide_sources
 from brake_controller.wheel_spin import SpinProtection
+from evidence.measuring.protected_throughput import SHARE, SOURCE, LetAllGo, LetGo
 from fmu_src.compile import FLAGS, compiler
 from products.bogie import FULL_PRESSURE, brake_values
 from products.machine import APPLICATION_TIME, RELEASE_TIME, Machine, bogie, coach
 from products.protection import controller_kinds as forms_module
 from products.protection.controller_kinds import Arrays, Form, compiled
 from products.protection.encoder import Encoder
+from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.programme import OWN, Case, read_programme
 from products.protection.rails import ABOVE, JERK_TIME, RAILS
 from products.protection.rig import Rig
@@ -33,9 +36,6 @@ from products.protection.settings import BRAKE_START, STANDING, Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.track.line import line_of, straight
 from scenarios.bench.coupled_machine import CoupledMachine
-from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.controllers.scoring import ideal_distance
-from scenarios.measuring.protected_throughput import SHARE, SOURCE, LetAllGo, LetGo
 from tests.fmu.sanitized import SANITIZERS, run
 
 #: Largest error of a reading without jitter, at 100 teeth above 3 m/s.

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from products.machine import bogie, coach
+from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.programme import Case
 from products.protection.rig import Rig
 from products.protection.settings import Settings
 from products.protection.vehicle_of_file import vehicle_of_file, with_own_brake
-from scenarios.bench.peak_adhesion import PeakAdhesion
 
 #: Tolerance of a deceleration: creep adds to the rotation of the wheels, and the axle boxes' friction of the coach.
 STATED = 0.005

@@ -10,15 +10,15 @@ from matplotlib.figure import Figure
 
 from bogie_braking.braking_curves.compute import Found
 from bogie_braking.braking_curves.words import limits_of
-from bogie_braking.commands.shared import look_for_plotly
+from bogie_braking.common_options import look_for_plotly
+from bogie_braking.reporting.causes_picture import figure_of_causes
+from bogie_braking.reporting.supervision_picture import figure_of_supervision
 from products.etcs_files.osrd import osrd_document
 from products.etcs_files.train_file import write_train
 from readers.command_line import check_folder
 from readers.documents import document_text
 from readers.storage import write_whole, writing
 from readers.text import BadInputError
-from scenarios.reporting.causes_picture import figure_of_causes
-from scenarios.reporting.supervision_picture import figure_of_supervision
 
 
 def check_files(chosen: argparse.Namespace) -> None:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from bogie_braking.commands.shared import add_out, add_speech
+from bogie_braking.common_options import add_out, add_speech
 from readers.command_line import quantity, whole
 
 BASELINES, POSITIONS = ("3.3.0", "4.0.0"), ("passenger P", "freight P", "freight G")

@@ -17,10 +17,10 @@ from bogie_braking.braking_curves.words import (
     steps_words,
     train_words,
 )
+from bogie_braking.reporting.supervision_page import Table, page_of_supervision
 from products.etcs_files.train_file import SWITCHES
 from products.supervision import Steps
 from readers.storage import write_whole
-from scenarios.reporting.supervision_page import Table, page_of_supervision
 
 
 def write_page(chosen: argparse.Namespace, found: Found) -> None:

@@ -9,8 +9,8 @@ import numpy as np
 
 from bogie_braking.braking_curves.compute import Found
 from bogie_braking.braking_curves.safety import document_of, lines_of
+from bogie_braking.reporting.supervision_picture import message_of_stops
 from products.supervision import Steps
-from scenarios.reporting.supervision_picture import message_of_stops
 
 #: Limits in the order in which they are met.
 LIMITS = ("I", "P", "W", "SBI", "EBI", "EBD")

@@ -16,33 +16,52 @@ from collections.abc import Collection
 from importlib import import_module
 from typing import Any
 
+from fmu_src import __name__ as place_of_a_room
 from fmu_src import __version__
 from readers.command_line import CommandLine
 
-#: Commands by name: help, and module in this package.
+#: Prefix of the other packages: empty in a checkout, this package in a wheel.
+BELOW = place_of_a_room.removesuffix("fmu_src")
+#: Commands by name: help, and module.
 COMMANDS = {
-    "list": ("list all scenarios", "listing"),
-    "doctor": ("say what is installed and what is missing, each with what to do", "doctor"),
-    "completion": ("print a script with which a shell completes this command", "completion"),
-    "run": ("run one scenario", "run"),
-    "report": ("join all results into one page", "report"),
-    "sweep": ("run one scenario over a grid of parameters", "sweep"),
-    "pace": ("run an FMU in real time on this machine: longest step, overruns, jitter", "pace"),
-    "controllers": ("compare wheel-slide controllers, a Python class, C or a library, on the test rig", "controllers"),
-    "consist": ("import a train of another program, or check a consist: masses, brakes, stops", "consist"),
-    "line": ("check a line and draw it; import points, elements, OSRD, railML, LandXML, ALTRIOS", "line"),
-    "profile": ("make a contact table from files of a wheel and a rail, and draw the pair", "profile"),
-    "live": ("write pages that brake a coach, a bogie or a train in any browser", "live"),
-    "vehicle": ("check your own vehicle from a file, write its FMU", "vehicle"),
-    "etcs": ("braking curves of ETCS for a train, and its own stops that begin there", "etcs"),
-    "benchmark": ("answer published cases, beside other programs or yours: errors, cost, a page", "benchmark"),
-    "build": ("build FMUs", "build"),
+    "list": ("list all scenarios", "scenarios.commands.listing"),
+    "doctor": ("say what is installed and what is missing, each with what to do", "bogie_braking.commands.doctor"),
+    "completion": ("print a script with which a shell completes this command", "bogie_braking.commands.completion"),
+    "run": ("run one scenario", "scenarios.commands.run"),
+    "report": ("join all results into one page", "scenarios.commands.report"),
+    "sweep": ("run one scenario over a grid of parameters", "scenarios.commands.sweep"),
+    "pace": ("run an FMU in real time on this machine: longest step, overruns, jitter", "bogie_braking.commands.pace"),
+    "controllers": (
+        "compare wheel-slide controllers, a Python class, C or a library, on the test rig",
+        "bogie_braking.commands.controllers",
+    ),
+    "consist": (
+        "import a train of another program, or check a consist: masses, brakes, stops",
+        "bogie_braking.commands.consist",
+    ),
+    "line": (
+        "check a line and draw it; import points, elements, OSRD, railML, LandXML, ALTRIOS",
+        "bogie_braking.commands.line",
+    ),
+    "profile": (
+        "make a contact table from files of a wheel and a rail, and draw the pair",
+        "bogie_braking.commands.profile",
+    ),
+    "live": ("write pages that brake a coach, a bogie or a train in any browser", "bogie_braking.commands.live"),
+    "vehicle": ("check your own vehicle from a file, write its FMU", "bogie_braking.commands.vehicle"),
+    "etcs": ("braking curves of ETCS for a train, and its own stops that begin there", "bogie_braking.commands.etcs"),
+    "benchmark": (
+        "answer published cases, beside other programs or yours: errors, cost, a page",
+        "scenarios.commands.benchmark",
+    ),
+    "build": ("build FMUs", "bogie_braking.commands.build"),
 }
 
 
 def module_of(name: str) -> Any:
     """Import the module of a command."""
-    return import_module(f"{__name__}.{COMMANDS[name][1]}")
+    place = COMMANDS[name][1]
+    return import_module(place if place.startswith("bogie_braking.") else BELOW + place)
 
 
 def parser_of(loaded: Collection[str], about: str | None = None) -> argparse.ArgumentParser:

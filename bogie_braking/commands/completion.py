@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 
 from bogie_braking.commands import COMMANDS, module_of, parser_of
+from bogie_braking.completion import SHELLS, completion
 from bogie_braking.exit_status import HOLDS
-from scenarios.completion import SHELLS, completion
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

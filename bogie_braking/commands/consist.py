@@ -21,7 +21,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bogie_braking.commands.shared import add_speech, describe
+from bogie_braking.common_options import add_speech, describe
 from bogie_braking.exit_status import HOLDS
 from rbd_model.train.coupler import COUPLERS
 from readers.command_line import quantity

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from bogie_braking.commands.shared import add_speech, bars, describe
+from bogie_braking.common_options import add_speech, bars, describe
+from bogie_braking.controllers import command
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
 from readers.command_line import check_folder
-from scenarios.controllers import command
 
 #: Actions that write into the folder of --out.
 WRITING = {"compare", "report", "replay", "loop"}

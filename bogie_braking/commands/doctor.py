@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from scenarios import doctor
+from bogie_braking import doctor
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -30,7 +30,7 @@ import argparse
 import json
 
 from bogie_braking.braking_curves.options import add_all
-from bogie_braking.commands.shared import describe
+from bogie_braking.common_options import describe
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
 
 

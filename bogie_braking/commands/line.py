@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from bogie_braking.commands.shared import add_out, add_speech, describe
+from bogie_braking.common_options import add_out, add_speech, describe
 from bogie_braking.exit_status import HOLDS
 from readers.command_line import check_folder, check_out, make_folder_of, quantity
 from readers.storage import write_whole, writing
@@ -98,9 +98,9 @@ def _check(chosen: argparse.Namespace, line: Any) -> int:
 
 
 def _import(chosen: argparse.Namespace, line: Any) -> int:
+    from bogie_braking.reporting.line_check_picture import figure_of_points
     from rbd_model.track.line import NAMES
     from rbd_model.track.line_points import LineFromPoints
-    from scenarios.reporting.line_check_picture import figure_of_points
 
     rows = line.lines_of([name for name in NAMES if name in line.rows])
     make_folder_of(chosen.out)
@@ -124,9 +124,9 @@ def _drawn(line: Any, speed: float, place: Path, friction: float | None = None) 
 
     friction: that of the rail, which the line's factors multiply [1].
     """
+    from bogie_braking.reporting.line_check_picture import figure_of_check
     from rbd_model.track.line_check import check_line
     from rbd_model.track.line_files import account_of
-    from scenarios.reporting.line_check_picture import figure_of_check
 
     check = check_line(line, speed, friction)
     return check, _save(figure_of_check(line, check, speed, friction), place), account_of(line)

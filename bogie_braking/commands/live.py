@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 
-from bogie_braking.commands.shared import add_out
+from bogie_braking.common_options import add_out
 from bogie_braking.exit_status import HOLDS
+from bogie_braking.live.page import write_page
+from bogie_braking.live.train_page import PAGE as TRAIN_PAGE
+from bogie_braking.live.train_page import write_train_page
 from products.prebuilt import PAGE
 from readers.command_line import check_folder
-from scenarios.live.page import write_page
-from scenarios.live.train_page import PAGE as TRAIN_PAGE
-from scenarios.live.train_page import write_train_page
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from bogie_braking.commands.shared import add_speech, bars, describe
+from bogie_braking import pace
+from bogie_braking.common_options import add_speech, bars, describe
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
 from products.registry import ALIASES, FMUS
-from scenarios.measuring import pace
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -12,8 +12,12 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from bogie_braking.commands.shared import add_speech, add_track, describe
+from bogie_braking.common_options import add_speech, add_track, describe
 from bogie_braking.exit_status import HOLDS
+from bogie_braking.profiles.pair_picture import draw_pair
+from bogie_braking.profiles.pair_running import COMPARED, FILE_AMPLITUDES, FILE_SHIFTS, WORDS, Running, running_of
+from bogie_braking.profiles.profile_files import profiles, sides_of, within
+from bogie_braking.profiles.smoothing_picture import draw_smoothing
 from rbd_model.contact.geometry import Side, Sides, contact_at
 from rbd_model.contact.measured_pair import fault_at, gauge_of
 from rbd_model.contact.pair_file import write_pair
@@ -23,10 +27,6 @@ from rbd_model.contact.profiles import Profile
 from readers.command_line import check_folder, check_out, make_folder_of
 from readers.storage import write_whole
 from readers.text import BadInputError
-from scenarios.bench.pair_running import COMPARED, FILE_AMPLITUDES, FILE_SHIFTS, WORDS, Running, running_of
-from scenarios.bench.profile_files import profiles, sides_of, within
-from scenarios.reporting.pair_picture import draw_pair
-from scenarios.reporting.smoothing_picture import draw_smoothing
 
 ABOUT = """Make a contact table from the profiles of a wheel and a rail: tables of y and z, SIMPACK (.prw, .prr),
 MiniProf (.whl, .ban, .mpt). The table is the value of profile_file of vehicles and FMUs. The command prints what it

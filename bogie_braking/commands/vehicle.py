@@ -19,7 +19,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from bogie_braking.commands.shared import describe
+from bogie_braking.common_options import describe
 from bogie_braking.exit_status import HOLDS
 from fmu_src.suggestion import suggestion
 from readers.command_line import check_folder, check_out, make_folder_of, whole

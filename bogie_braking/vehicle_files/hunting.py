@@ -12,10 +12,10 @@ import numpy as np
 
 from fmu_src.kernel import Kernel, Library
 from products.building import linear_kernel_of, linear_model
+from products.kernel_runs import SETTLED, prepare
 from products.vehicle_file import DataSheet
 from rbd_model.contact.pair_file import PAIR_FILE, joined
 from rbd_model.linear import Mode, critical_speed, oscillations
-from scenarios.bench.drive import SETTLED, prepare
 
 #: Speeds between which critical speeds are searched [m/s]: the upper limit is the largest initial speed of a vehicle.
 #: Distance of the speeds at which the linear growth is computed [m/s].

@@ -10,6 +10,7 @@ import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
+from bogie_braking.reporting.plots import plt
 from bogie_braking.vehicle_files.check import (
     KILOMETRES_PER_HOUR,
     OVERDAMPED,
@@ -23,7 +24,6 @@ from bogie_braking.vehicle_files.hunting import FASTEST, FRICTION, HIGHEST, LARG
 from bogie_braking.vehicle_files.picture import picture
 from rbd_model.contact.creep.laws import DEFAULT_LAW
 from readers.storage import write_whole
-from scenarios.reporting.plots import plt
 
 #: Speed of the stop in the first sentences [km/h].
 LEAD_SPEED = 120

@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
+from bogie_braking.reporting.plots import BOGIE, FOUR, LEADING, LINES, TRAILING, one_word, plt, titled
 from bogie_braking.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, Check
 from bogie_braking.vehicle_files.hunting import FASTEST
 from rbd_model.vehicle.parameters import VehicleParameters
-from scenarios.reporting.plots import BOGIE, FOUR, LEADING, LINES, TRAILING, one_word, plt, titled
 
 #: Height of the drawn body above its lower edge [m]; nothing in a file gives it.
 BODY = 2.6

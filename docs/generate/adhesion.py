@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from pages import DOCS
 
 import bogie_braking as bb
+from bogie_braking.reporting import plots
 from rbd_model.track.adhesion_laws import curtius_kniffler, fallen_friction, recovered_friction
 from rbd_model.track.friction import CONDITIONS, low
 from rbd_model.track.recovery import assumed_recovery, easy_recovery, hard_recovery
 from rbd_model.track.sand import common_sand, friction_with_sand
-from scenarios.reporting import plots
 
 #: Map of friction and speeds of the stops [m], [1], [m/s]; error of the logged speed [m/s].
 PLACES = np.arange(0.0, 401.0, 50.0)

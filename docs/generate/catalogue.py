@@ -6,8 +6,9 @@ from types import ModuleType
 
 from pages import DOCS, write_or_check
 
+from bogie_braking.reporting.scenario import Scenario
+from evidence import catalogue as of_evidence
 from scenarios import catalogue
-from scenarios.scenario import Scenario
 
 PAGE = DOCS / "scenarios.md"
 HEAD = """# Scenarios
@@ -26,9 +27,9 @@ and its table. `docs/generate/catalogue.py` writes this page from `scenarios/cat
 def modules() -> dict[str, list[ModuleType]]:
     """The files that hold scenarios, by the room they are in."""
     found: dict[str, list[ModuleType]] = {}
-    for module in vars(catalogue).values():
+    for module in (*vars(catalogue).values(), *vars(of_evidence).values()):
         if isinstance(module, ModuleType) and scenarios_of(module):
-            found.setdefault(module.__name__.split(".")[1], []).append(module)
+            found.setdefault(module.__name__.rpartition(".")[0], []).append(module)
     return found
 
 
@@ -62,8 +63,9 @@ def page() -> str:
     """The text of docs/scenarios.md."""
     lines = [HEAD]
     for room, files in modules().items():
-        about = (importlib.import_module(f"scenarios.{room}").__doc__ or "").strip()
-        lines += [f"## {room}", "", about, "", *table(files), ""]
+        about = (importlib.import_module(room).__doc__ or "").strip()
+        where = ", in a checkout" if room.startswith("evidence") else ""
+        lines += [f"## {room.partition('.')[2]}{where}", "", about, "", *table(files), ""]
     return "\n".join(lines)
 
 

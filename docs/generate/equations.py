@@ -19,7 +19,7 @@ from pathlib import Path
 from pages import ROOT, write_or_check
 
 PAGE = ROOT / "EQUATIONS.md"
-HOMES, TESTS = ("rbd_model", "brake_controller", "scenarios"), "tests"
+HOMES, TESTS = ("rbd_model", "brake_controller", "scenarios", "evidence"), "tests"
 #: Number of the last equation of each chapter of the thesis.
 LAST = {2: 16, 3: 124, 4: 2, 5: 4, 6: 7, 7: 3, 9: 1}
 #: Equations that require a place or a reason: sections 2.4 and 2.5, chapters 3, 4 and 5.
@@ -138,7 +138,7 @@ def page() -> str:
         "",
         "This table gives the code and the tests of each equation of the thesis, sections 2.4 and 2.5 and chapters",
         "3, 4 and 5. `docs/generate/equations.py` writes it from the citations in the code. The files of",
-        "`rbd_model/thesis/` implement chapter 3 as published, and list deviations under *Differs from the thesis*.",
+        "`evidence/chapter3/` implement chapter 3 as published, and list deviations under *Differs from the thesis*.",
         "",
         "| equation | code | tests |",
         "|---|---|---|",

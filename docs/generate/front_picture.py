@@ -6,7 +6,7 @@ import json
 from matplotlib import pyplot as plt
 from pages import DOCS
 
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING
+from bogie_braking.reporting.plots import BOGIE, LEADING, THESIS, TRAILING
 
 #: Rows of the scenario `thesis-step` that are drawn.
 NUMBER = "lateral wave, 15 m/s: spectral peak of the hunting"

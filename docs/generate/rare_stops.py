@@ -16,8 +16,8 @@ from scipy.stats import binomtest, norm, uniform
 
 import bogie_braking as bb
 from bogie_braking.rare_events import Rare
+from bogie_braking.reporting import plots
 from fmu_src.progress import counting
-from scenarios.reporting import plots
 
 DATA, PICTURE = DOCS / "data" / "rare-stops.json", DOCS / "pictures" / "rare-stops.png"
 #: A stop of the bogie of chapter 5 as a point, from 90 km/h. All that is random is assumed: adhesion of the rail below

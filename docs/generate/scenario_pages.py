@@ -15,11 +15,11 @@ from typing import Any
 from pages import DOCS, ROOT
 
 from bogie_braking.exit_status import DOES_NOT_HOLD
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import VERDICTS, number, parted
+from bogie_braking.reporting.scenario import Scenario
 from readers.documents import read_document
 from scenarios.catalogue import SCENARIOS
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import VERDICTS, number, parted
-from scenarios.scenario import Scenario
 
 RESULTS = ROOT / "results"
 HEADS = ("quantity", "unit", "thesis", "simulated", "asked", "holds", "source")

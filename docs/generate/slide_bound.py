@@ -14,17 +14,17 @@ import numpy as np
 from matplotlib.figure import Figure
 from pages import DOCS
 
+from bogie_braking.reporting import plots
+from evidence.omniscient import of_all, shortest
 from products.machine import MACHINES, Machine, filling_by_flow, filling_by_time
 from products.protection.controller_kinds import Form, compiled
+from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.rig import Rig
 from products.protection.rig_in_c import RIG, slide_protection
 from products.protection.runs import Run, Stop
 from products.protection.settings import Settings
 from rbd_model.contact.friction import constant_friction
 from rbd_model.track.friction import RailCondition, low, wet
-from scenarios.bench.omniscient import of_all, shortest
-from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.reporting import plots
 
 DATA, PICTURE, PAGE = DOCS / "data" / "slide-bound.json", DOCS / "pictures" / "slide-bound.png", DOCS / "controller.md"
 BEGIN, END = "<!-- slide bound -->\n", "<!-- end of slide bound -->\n"

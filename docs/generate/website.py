@@ -28,10 +28,10 @@ from nbconvert.preprocessors import ExecutePreprocessor
 from pages import DOCS, ROOT
 from scenario_pages import messages_of, pictures_of, scenario_page
 
+from bogie_braking.live import page as live
+from bogie_braking.live.train_page import PAGE as TRAIN_PAGE
+from bogie_braking.live.train_page import train_page
 from products.sources import HOUSE
-from scenarios.live import page as live
-from scenarios.live.train_page import PAGE as TRAIN_PAGE
-from scenarios.live.train_page import train_page
 
 LIVE = "live.html"
 #: Files outside docs/ by their names on the site, which starts at docs/index.md.

@@ -7,11 +7,11 @@ from itertools import product
 
 import numpy as np
 
+from bogie_braking.reporting.progress import counting
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
+from products.kernel_runs import bogie, play
 from rbd_model.vehicle.parameters import AS_PRINTED
-from scenarios.bench.drive import bogie, play
-from scenarios.reporting.progress import counting
 
 BRAKE_TORQUE, BRAKE_START, SPEED = 20e3, 1.0, 25.0
 #: Yaw torque at full brake by error of the shoe forces [%], Tables 9.2 and 9.3.

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+from bogie_braking.reporting.report import Row, measured, near
 from brake_controller.air import HEAT_CAPACITY_RATIO
 from brake_controller.cylinder import TIMES, brake_model, flow_brake
 from brake_controller.flow_parameters import FlowParameters
@@ -17,7 +18,6 @@ from scenarios.bench.gas_dynamics import (
     choked_venting_time,
     unchoked_filling_time,
 )
-from scenarios.reporting.report import Row, measured, near
 
 #: Relative tolerance of peaks and times.
 RELATIVE = 5e-3

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bogie_braking.reporting.report import rounding
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from fmu_src.system import System
+from products.kernel_runs import period, play, prepare
 from rbd_model.linear import Mode, oscillations
 from rbd_model.vehicle.parameters import AS_PRINTED
-from scenarios.bench.drive import period, play, prepare
-from scenarios.reporting.report import rounding
 
 #: The disturbance: a short lateral wave of the track. The thesis does not report its size.
 WAVE = {"lateral_irregularity": 4e-3, "lateral_wave_number": 0.2}

@@ -7,9 +7,9 @@ import numpy as np
 
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
+from products.kernel_runs import bogie, play, spectrum
 from rbd_model.track.irregularity import section_5_3
 from rbd_model.vehicle.parameters import AS_PRINTED
-from scenarios.bench.drive import bogie, play, spectrum
 
 SPEEDS = (15.0, 25.0)
 DURATION, INTERVAL = 12.0, 2e-3

@@ -15,11 +15,11 @@ from scipy.optimize import brentq
 
 from fmu_src.kernel import Kernel, SimulationError
 from products.coach import COACH, NUMBERS, brakes
+from products.kernel_runs import prepare, system_of
 from products.train.consist import Consist, coach, locomotive
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.train.coupler import Coupler, Curve, rigid
-from scenarios.bench.drive import prepare, system_of
 
 #: Mass of the coach [kg], and mass of its wheelsets' rotation over that [1].
 MASS = COACH.body_mass + 2 * COACH.frame_mass + 4 * COACH.wheelset_mass

@@ -1,8 +1,8 @@
 """The FMUs of a coupled scenario, of the kind given on the command line."""
 
+from bogie_braking.reporting.scenario import Options
 from fmu_src.cosimulation.slave import FmuInstance
 from products.building import up_to_date
-from scenarios.scenario import Options
 
 
 def open_bogie(options: Options, **parameters: float) -> FmuInstance:

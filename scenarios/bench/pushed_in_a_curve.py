@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from products.coach import COACH, NUMBERS
+from products.kernel_runs import prepare_on_line
 from rbd_model.track.line import Line, arc, clothoid, line_of, straight
-from scenarios.bench.drive import prepare_on_line
 
 #: Radius [m], speed at the entry [m/s], and time of steady running [s].
 RADIUS, SPEED, SETTLED = 300.0, 10.0, 25.0

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from bogie_braking.reporting.scenario import BadInputError
 from readers.log_rows import filled
 from readers.logs import read_log
 from readers.text import FileError
-from scenarios.scenario import BadInputError
 
 VARIABLES = {"time": "s", "torque": "N.m"}
 

@@ -22,7 +22,7 @@ from products.protection.runs import Run
 from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from products.study.points import process_pool
-from scenarios.reporting.progress import counting
+from bogie_braking.reporting.progress import counting
 
 Numbers = NDArray[np.float64]
 #: Period of the controllers and of the integration steps [s].

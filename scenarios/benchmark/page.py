@@ -13,6 +13,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import plt
+from bogie_braking.web.frame import filled
 from readers.storage import write_whole, writing
 from scenarios.benchmark.band import Band
 from scenarios.benchmark.picture import figure_of_bands, figure_of_errors, figures_over_two_inputs
@@ -28,8 +30,6 @@ from scenarios.benchmark.words import (
     rows_of_table,
     sentence,
 )
-from scenarios.reporting.plots import plt
-from scenarios.web.frame import filled
 
 #: Files that a benchmark writes.
 PAGE, PICTURE, TABLE, DOCUMENT = "benchmark.html", "benchmark.png", "benchmark.csv", "benchmark.json"

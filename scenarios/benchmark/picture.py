@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.benchmark.band import Band
 from scenarios.benchmark.score import Score, Scored
 from scenarios.benchmark.words import displayed, point_of
-from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
 
 #: Smallest error that is drawn, over its bound or in percent.
 LEAST = 1e-6

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from pkgutil import iter_modules
 from types import ModuleType
@@ -28,6 +29,10 @@ Answers = Mapping[str, float]
 
 class CannotAnswerError(Exception):
     """A program failed at a point, or returned what is not an answer; the message states the reason."""
+
+
+#: Package of the adapters of other programs; a wheel has none.
+PEERS = "evidence.benchmark_peers"
 
 
 @dataclass(frozen=True)
@@ -50,8 +55,8 @@ def programs() -> tuple[list[Program], dict[str, str]]:
 
     Peers run in the Python that BOGIE_BRAKING_PEERS names, if it is set. A wheel has no peers.
     """
-    found, missing = [own_program(), *map(of_module, _modules("methods"))], dict[str, str]()
-    for module in _modules("peers"):
+    found, missing = [own_program(), *map(of_module, _modules(f"{__package__}.methods"))], dict[str, str]()
+    for module in _modules(PEERS) if find_spec(PEERS.partition(".")[0]) else ():
         try:
             other = other_python()
             found.append(of_adapter(module, other) if other else of_module(module))
@@ -60,9 +65,9 @@ def programs() -> tuple[list[Program], dict[str, str]]:
     return found, missing
 
 
-def _modules(name: str) -> Iterator[ModuleType]:
-    for one in iter_modules([str(Path(__file__).parent / name)]):
-        yield import_module(f"{__package__}.{name}.{one.name}")
+def _modules(package: str) -> Iterator[ModuleType]:
+    for module in iter_modules(import_module(package).__path__):
+        yield import_module(f"{package}.{module.name}")
 
 
 def of_adapter(module: ModuleType, other: OtherPython) -> Program:

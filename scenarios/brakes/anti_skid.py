@@ -6,8 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, one_word, plt, single, titled
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_least, at_most, between
+from bogie_braking.reporting.scenario import Options, Scenario, Sweepable
 from brake_controller.wheel_slide import WheelSlideController
 from products.machine import APPLICATION_TIME, bogie
+from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.rails import (
     ABOVE,
     LOCK_ABOVE,
@@ -23,11 +28,6 @@ from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
-from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, one_word, plt, single, titled
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, at_most, between
-from scenarios.scenario import Options, Scenario, Sweepable
 
 #: Controller periods of the repeated stops on low rail [s], and teeth of the sensors.
 PERIODS, TEETH = (2e-3, 5e-3, 1e-2, 2e-2), (80, 100, 128, 200, 10000)

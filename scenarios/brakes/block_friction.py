@@ -13,13 +13,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from bogie_braking.reporting.plots import FOUR, charts
+from bogie_braking.reporting.report import Report, Row, at_most, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from brake_controller.shoe_friction import KILOMETRES_PER_HOUR
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist import forces_of
 from products.train.consist_file import consist_of
-from scenarios.reporting.plots import FOUR, charts
-from scenarios.reporting.report import Report, Row, at_most, measured
-from scenarios.scenario import Options, Scenario
 
 #: Forces of a block [kN], and speeds [km/h], of twelve points; speeds of the figure.
 FORCES, POINTS = (5.0, 10.0, 15.0, 20.0), np.array([0.0, 60.0, 120.0])

@@ -15,6 +15,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from bogie_braking.reporting.plots import BOGIE, FOUR, charts
+from bogie_braking.reporting.report import Report, Row, at_most, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from brake_controller.brake_heat import DISCS, SURROUNDINGS, WHEELS
 from brake_controller.slab_surface import GAINS, RATES
 from fmu_src.cosimulation.recording import Recording
@@ -22,9 +25,6 @@ from products.train.consist_file import consist_of
 from products.train.stated_heat import BODIES
 from products.train.train import Train
 from scenarios.bench.warm_slab import Slab
-from scenarios.reporting.plots import BOGIE, FOUR, charts
-from scenarios.reporting.report import Report, Row, at_most, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: Fourier numbers of the figure and the comparison; terms of the series.
 FOURIER, TERMS = np.geomspace(1e-3, 10.0, 121), 2000

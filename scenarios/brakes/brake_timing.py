@@ -11,6 +11,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, LEADING, LINES, THESIS, THREE, TRAILING, plt, titled
+from bogie_braking.reporting.report import Report, Row, between, measured, value_of
+from bogie_braking.reporting.scenario import Options, Scenario
 from brake_controller.cylinder import TIMES
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
 from brake_controller.ready_sets import (
@@ -40,9 +43,6 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import FmuInstance
 from scenarios.bench.brake_air import balance_rows, closed_form_rows
 from scenarios.bench.open_fmus import open_brake
-from scenarios.reporting.plots import BOGIE, LEADING, LINES, THESIS, THREE, TRAILING, plt, titled
-from scenarios.reporting.report import Report, Row, between, measured, value_of
-from scenarios.scenario import Options, Scenario
 
 TIMED, FLOW = 1, 2
 KINDS = {TIMED: "timed", FLOW: "flow"}

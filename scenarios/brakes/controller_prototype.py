@@ -4,6 +4,9 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, one_word, plt, titled
+from bogie_braking.reporting.report import Report, Row
+from bogie_braking.reporting.scenario import Options, Scenario
 from brake_controller.wheel_slide import WheelSlideController
 from products.machine import bogie
 from products.protection.rails import BAND, LOCK_ABOVE, RAILS
@@ -13,9 +16,6 @@ from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.own_controller import FixedSlip
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, one_word, plt, titled
-from scenarios.reporting.report import Report, Row
-from scenarios.scenario import Options, Scenario
 
 CONTROLLERS: dict[str, Callable[[], WheelSlideController] | None] = {
     "none": None,

@@ -12,6 +12,9 @@ import numpy as np
 from fmpy import simulate_fmu
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting import plots
+from bogie_braking.reporting.report import Bound, Report, Row, measured, near, rounding
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.master import cosimulate
 from fmu_src.cosimulation.recording import Recording
 from products import machine
@@ -20,9 +23,6 @@ from products.building import units_of, up_to_date
 from products.coach import COACH, NUMBERS
 from scenarios.bench.braked_bogie import acceleration_per_torque, connections
 from scenarios.bench.open_fmus import open_bogie, open_brake
-from scenarios.reporting import plots
-from scenarios.reporting.report import Bound, Report, Row, measured, near, rounding
-from scenarios.scenario import Options, Scenario
 
 #: Initial speed of all stops [m/s], and mass of the coach's body [kg]; the published vehicle has 32 t.
 SPEED, BODY_MASS = 160 / 3.6, 38e3

@@ -17,6 +17,10 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, FOUR, LINES, single
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_least, at_most, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.cosimulation.master import Connection, Coupling, cosimulate
 from fmu_src.cosimulation.recording import Recording
@@ -30,10 +34,6 @@ from products.supervision import SupervisedTrain
 from products.supervision.curves import speed_inaccuracy
 from products.supervision.of_run import brake_of_run
 from rbd_model.track.friction import RailCondition, dry, low
-from scenarios.reporting.plots import BOGIE, FOUR, LINES, single
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, at_most, measured, near
-from scenarios.scenario import Options, Scenario
 
 KMH = 1.0 / 3.6
 #: Speed of the line, largest speed of the train data, and speed at which the stop for these begins [m/s].

@@ -15,14 +15,14 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 
+from bogie_braking.reporting.plots import BOGIE, THESIS, plt, titled
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_least, between, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from rbd_model.track.sand import SandParameters, common_sand
 from scenarios.bench.sanded_train import SPEED, UNTREATED, stop, way
 from scenarios.benchmark.case_file import CASES, read_case
 from scenarios.benchmark.own.sand import FIXED, LIMIT, VARIABLE
-from scenarios.reporting.plots import BOGIE, THESIS, plt, titled
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, between, measured
-from scenarios.scenario import Options, Scenario
 
 #: Wheelsets ahead of which the first and the second sander are mounted, and other places of the second: assumed.
 FIRST, SECOND, OTHERS = 3, 7, (5, 9)

@@ -6,19 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, one_word, single
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.master import Connection
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import CosimulationError
 from products.bogie import FULL_PRESSURE, brake_values
+from products.kernel_runs import RIGID
 from products.protection.settings import STANDING
 from rbd_model.vehicle.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench.asymmetric_shoes import DERAILED_AT
 from scenarios.bench.coupled_machine import CoupledMachine
-from scenarios.bench.drive import RIGID
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, one_word, single
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, measured
-from scenarios.scenario import Options, Scenario
 
 SPEED, BRAKE_START, STEP, LONGEST = 25.0, 1.0, 5e-3, 60.0
 #: Shares of the total braking torque on the leading wheelset, the even share, and the friction of these stops.

@@ -15,6 +15,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
+from bogie_braking.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_most, measured, value_of
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System
 from rbd_model.body.kinematics import direction_cosines, turned_by
@@ -38,10 +42,6 @@ from rbd_model.wheelset.touch import Wheel
 from rbd_model.wheelset.touching_patch import InNumbers, part_of_patch
 from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
 from scenarios.benchmark.case_file import CASES, read_case
-from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, measured, value_of
-from scenarios.scenario import Options, Scenario
 
 #: The benchmark: load of each wheel [N], speed [m/s], friction, steel.
 LOAD, SPEED, FRICTION, STEEL = 10e3, 2.0, 0.3, Steel(82e9, 0.28)

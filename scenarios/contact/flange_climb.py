@@ -6,17 +6,17 @@ import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, motion_columns
+from bogie_braking.reporting.plots import BOGIE, LEADING, LINES, THESIS, THREE, TRAILING, plt, titled
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_least, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.creep.exact_table import exact_law
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.depth import Contact
 from rbd_model.wheelset.rigid_part import nadal_limit
 from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, instants, push, vehicle_that_climbs
-from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import BOGIE, LEADING, LINES, THESIS, THREE, TRAILING, plt, titled
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, measured, near
-from scenarios.scenario import Options, Scenario
 
 ANGLES, FRICTIONS = (60.0, 70.3, 75.0), (0.1, 0.3, 0.5)
 #: Angle of attack at which the flange slides sideways as a whole, and which turns its contact by less than 1 % [rad].

@@ -4,6 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from bogie_braking.reporting.report import Report, Row, at_least, at_most, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from fmu_src.cosimulation.recording import Recording
 from products.bogie import BOGIE, FULL_PRESSURE, FULL_TORQUE, brake_values
@@ -12,8 +14,6 @@ from scenarios.coupling import feedback_boundary, signed_torque
 from scenarios.coupling.error import MASTERS
 from scenarios.coupling.figure import draw
 from scenarios.coupling.findings import Findings, find
-from scenarios.reporting.report import Report, Row, at_least, at_most, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: Macro steps [s], evenly on a logarithmic axis.
 STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1)

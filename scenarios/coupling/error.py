@@ -15,10 +15,10 @@ from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI, Coupling, Master
 from fmu_src.cosimulation.slave import FmuInstance
 from products.bogie import BOGIE, FULL_PRESSURE, FULL_TORQUE
+from products.kernel_runs import prepare
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.braked_bogie import acceleration_per_torque, bogie_values, connections, start_brake
-from scenarios.bench.drive import prepare
 
 MASTERS = {
     "Jacobi, held": Master(JACOBI),

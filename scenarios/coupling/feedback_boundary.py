@@ -20,10 +20,10 @@ from fmu_src.cosimulation.master import GAUSS_SEIDEL, Coupling, Master
 from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.kernel import Kernel
 from products.bogie import BOGIE, TORQUE_PER_PRESSURE
+from products.kernel_runs import prepare
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.braked_bogie import bogie_values, connections, start_brake
-from scenarios.bench.drive import prepare
 
 SPEED = 20.0
 #: Steady pressure [Pa]: half of the full brake, creep in its linear range.

@@ -6,14 +6,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE as GREY
+from bogie_braking.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from products.bogie import BOGIE
 from scenarios.coupling import signed_torque
 from scenarios.coupling.error import MASTERS, error_on_paper, order
 from scenarios.coupling.feedback_boundary import SPEED, boundary_on_paper, pressure_per_slip
 from scenarios.coupling.findings import Findings
-from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 
 COLOUR = {JACOBI: LEADING, GAUSS_SEIDEL: TRAILING}
 #: Jacobi larger and hollow, Gauss-Seidel smaller and filled: coinciding points remain visible.

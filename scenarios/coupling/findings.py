@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.scenario import Options
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from fmu_src.cosimulation.slave import FmuInstance
 from scenarios.bench.open_fmus import open_bogie, open_brake
@@ -12,8 +14,6 @@ from scenarios.coupling import signed_torque
 from scenarios.coupling.error import MASTERS, CoupledStop
 from scenarios.coupling.feedback_boundary import ClosedLoop, Plant, boundary_on_paper, linear_bogie
 from scenarios.coupling.signed_torque import Chatter
-from scenarios.reporting.progress import counting
-from scenarios.scenario import Options
 
 #: Macro step below which the error of second order is smaller than the solvers' own [s].
 FIRST_OF_LINES = 2e-4

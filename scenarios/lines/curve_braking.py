@@ -12,7 +12,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, motion_columns
+from bogie_braking.reporting.plots import FOUR, THREE, charts
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import play, prepare_on_line
 from rbd_model.track.line import Line
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.curves import (
@@ -24,12 +30,6 @@ from scenarios.bench.curves import (
     suited_cant,
     transition_length,
 )
-from scenarios.bench.drive import play, prepare_on_line
-from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import FOUR, THREE, charts
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: Radii of curves to the left, and straight track [m].
 RADII = (200.0, 300.0, 600.0, math.inf)

@@ -3,13 +3,13 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import LEADING, TRAILING, charts
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, at_most, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import prepare_on_line
 from scenarios.bench.curves import BOGIE, MASS, MOST_CANT, into_curve, outward_acceleration, suited_cant, suited_speed
-from scenarios.bench.drive import prepare_on_line
-from scenarios.reporting.plots import LEADING, TRAILING, charts
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, at_most, measured, near
-from scenarios.scenario import Options, Scenario
 
 RADII = (150.0, 200.0, 300.0, 450.0, 700.0, 1000.0, 1500.0, 3000.0)
 #: Cant deficiencies at one radius [m]; negative: cant excess.

@@ -12,15 +12,15 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import LEADING, TRAILING, charts
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_most, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
+from products.kernel_runs import prepare_on_line
 from rbd_model.track.line import ERRI_LOW, Line, irregular, line_of, straight
 from scenarios.bench.curves import into_curve, suited_speed
-from scenarios.bench.drive import prepare_on_line
-from scenarios.reporting.plots import LEADING, TRAILING, charts
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, measured
-from scenarios.scenario import Options, Scenario
 
 WHEELS = [f"{number}_{side}" for number in (1, 2, 3, 4) for side in ("left", "right")]
 LOADS, QUOTIENTS = ([f"{name}_{wheel}" for wheel in WHEELS] for name in ("wheel_load", "derailment_quotient"))

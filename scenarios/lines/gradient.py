@@ -10,16 +10,16 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE as GREY
+from bogie_braking.reporting.plots import LEADING, TRAILING, charts
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_most, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
+from bogie_braking.reporting.timing import LEVELS
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import History, play, prepare_on_line
 from rbd_model.track.line import line_of, straight
 from scenarios.bench.curves import BOGIE, MASS, TURNING_MASS
-from scenarios.bench.drive import History, play, prepare_on_line
-from scenarios.measuring.timing import LEVELS
-from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import LEADING, TRAILING, charts
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: Gradients downhill, uphill, and of the track on which the bogie is held [1].
 DOWN, UP, HELD = -0.02, 0.02, 0.04

@@ -13,9 +13,17 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.line_picture import draw_line, height
+from bogie_braking.reporting.motion import Motion, motion_columns
+from bogie_braking.reporting.plots import BOGIE as GREY
+from bogie_braking.reporting.plots import LEADING, TRAILING, plt, single, titled, write_at
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_least, measured, near
+from bogie_braking.reporting.scenario import BadInputError, Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, SimulationError
 from products.building import units_of
+from products.kernel_runs import prepare, prepare_on_line
 from rbd_model.track.line import (
     ERRI_LOW,
     Line,
@@ -31,14 +39,6 @@ from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.ready import two_axle_bogie
 from readers.text import FileError
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD
-from scenarios.bench.drive import prepare, prepare_on_line
-from scenarios.reporting.line_picture import draw_line, height
-from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import LEADING, TRAILING, plt, single, titled, write_at
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, measured, near
-from scenarios.scenario import BadInputError, Options, Scenario
 
 #: Speed [m/s], and largest cant deficiency at it [m]: EN 13803 has 130 mm for freight trains, here with a margin.
 SPEED, MOST_DEFICIENCY = 15.0, 0.1

@@ -14,8 +14,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, motion_columns
+from bogie_braking.reporting.plots import BOGIE as GREY
+from bogie_braking.reporting.plots import LEADING, THESIS, THREE, TRAILING, charts, legend_above
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from products.building import units_of
+from products.kernel_runs import prepare_on_line
 from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import rolling_radius_difference, thesis_pair
 from rbd_model.track.irregularity import ballasted_track
@@ -23,13 +30,6 @@ from rbd_model.track.line import Line, Segment, arc, clothoid, line_of, straight
 from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD, suited_speed
-from scenarios.bench.drive import prepare_on_line
-from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, charts, legend_above
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: Cant ramps 1:n; EN 13803 has 1:444 as limit and 1:400 as exception.
 RAMPS = (400.0, 600.0, 1000.0)

@@ -11,7 +11,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, motion_columns
+from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, plt, single, titled, write_at
+from bogie_braking.reporting.report import Report, Row, at_least, measured, rounding
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import RIGID
 from rbd_model.vehicle.parameters import as_printed, tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.asymmetric_shoes import (
@@ -34,11 +39,6 @@ from scenarios.bench.asymmetric_shoes import (
     brake,
     run_all,
 )
-from scenarios.bench.drive import RIGID
-from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, single, titled, write_at
-from scenarios.reporting.report import Report, Row, at_least, measured, rounding
-from scenarios.scenario import Options, Scenario
 
 #: Descriptions of the drawn interpretations; wheelsets with uneven shoes, and the line and marker of each.
 READ = {AS_THESIS: "axis turns (thesis)", PHYSICAL: "axis fixed (physical)"}

@@ -3,14 +3,18 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, irregular, motion_columns
+from bogie_braking.reporting.plots import LEADING, TRAILING, plt, titled
+from bogie_braking.reporting.report import Report, Row, measured, near, rounding
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System
+from products.kernel_runs import RIGID, bogie, spectrum
 from rbd_model.levels.models import levels
 from rbd_model.linear import oscillations
 from rbd_model.track.irregularity import section_5_3
 from rbd_model.vehicle.parameters import as_printed, tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
-from scenarios.bench.drive import RIGID, bogie, spectrum
 from scenarios.bench.irregularities import (
     CROSS_LEVEL,
     DURATION,
@@ -25,10 +29,6 @@ from scenarios.bench.irregularities import (
     largest_wheel_load,
     travel,
 )
-from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Report, Row, measured, near, rounding
-from scenarios.scenario import Options, Scenario
 
 SPACING = "half spacing of the suspension 0.7 m and frame height 0.8 m are fitted, to other values"
 FLANGE = "not judged: the flange's stiffness is fitted to it"

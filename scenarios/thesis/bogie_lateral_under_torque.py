@@ -5,15 +5,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, irregular, motion_columns
+from bogie_braking.reporting.plots import LEADING, TRAILING, label_edges, plt, titled
+from bogie_braking.reporting.report import Report, Row, rounding
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import RIGID, bogie, play
 from rbd_model.track.irregularity import section_5_3
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
-from scenarios.bench.drive import RIGID, bogie, play
-from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import LEADING, TRAILING, label_edges, plt, titled
-from scenarios.reporting.report import Report, Row, rounding
-from scenarios.scenario import Options, Scenario
 
 TORQUE, HIGH_SPEED = 15e3, 20.0
 #: Ramp and, for braking, start of the torque [s]; the thesis's largest lateral shift [mm] where reported.

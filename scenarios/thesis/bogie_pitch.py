@@ -5,14 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, motion_columns
+from bogie_braking.reporting.plots import BOGIE, TRAILING, panels
+from bogie_braking.reporting.report import Report, at_most, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import RIGID, period, play, prepare
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
-from scenarios.bench.drive import RIGID, period, play, prepare
-from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import BOGIE, TRAILING, panels
-from scenarios.reporting.report import Report, at_most, measured
-from scenarios.scenario import Options, Scenario
 
 TORQUE = 15e3
 #: Fig. 5.24: traction grows over 5 s and ends at 20.5 s; braking grows from 25.5 s over 5 s and ends at 37 s.

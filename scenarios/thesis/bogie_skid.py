@@ -5,15 +5,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, irregular, motion_columns
+from bogie_braking.reporting.plots import LEADING, TRAILING, mark, one_word, single
+from bogie_braking.reporting.report import Report, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import bogie, play
 from rbd_model.levels.models import recommend_level
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
-from scenarios.bench.drive import bogie, play
-from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import LEADING, TRAILING, mark, one_word, single
-from scenarios.reporting.report import Report, measured
-from scenarios.scenario import Options, Scenario
 
 TORQUE, APPLIED, SPEED = 60e3, 4.0, 25.0
 DURATION, INTERVAL = 14.0, 2e-3

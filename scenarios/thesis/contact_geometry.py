@@ -7,6 +7,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bogie_braking.profiles.pair_picture import draw_pair
+from bogie_braking.profiles.pair_running import (
+    COMPARED,
+    FILE_AMPLITUDES,
+    FILE_SHIFTS,
+    PRINTED,
+    WORDS,
+    Running,
+    add_contacts,
+    running_of,
+)
+from bogie_braking.profiles.profile_files import sides_from_files
+from bogie_braking.reporting.plots import LEADING, THESIS, TRAILING, mark, plt, titled
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, measured, rounding
+from bogie_braking.reporting.scenario import BadInputError, Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.geometry import (
     Pair,
@@ -20,22 +36,6 @@ from rbd_model.contact.geometry import (
     thesis_pair,
 )
 from rbd_model.contact.measured_pair import gauge_of
-from scenarios.bench.pair_running import (
-    COMPARED,
-    FILE_AMPLITUDES,
-    FILE_SHIFTS,
-    PRINTED,
-    WORDS,
-    Running,
-    add_contacts,
-    running_of,
-)
-from scenarios.bench.profile_files import sides_from_files
-from scenarios.reporting.pair_picture import draw_pair
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, mark, plt, titled
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, measured, rounding
-from scenarios.scenario import BadInputError, Options, Scenario
 
 SHIFTS = np.linspace(0.0, 9.0e-3, 91)
 AMPLITUDES = np.linspace(1.0e-3, 9.0e-3, 33)

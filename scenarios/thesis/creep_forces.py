@@ -4,13 +4,13 @@ import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, LEADING, LINES, THREE, plt, titled
+from bogie_braking.reporting.report import Report, at_most, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
-from scenarios.reporting.plots import BOGIE, LEADING, LINES, THREE, plt, titled
-from scenarios.reporting.report import Report, at_most, measured
-from scenarios.scenario import Options, Scenario
 
 #: One contact: semi-axes [m], load [N], friction, shear modulus [Pa].
 SEMI_AXES, LOAD, FRICTION, SHEAR_MODULUS = (6e-3, 5e-3), 80e3, 0.3, 82e9

@@ -3,15 +3,15 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, single, write_at
+from bogie_braking.reporting.report import Report, Row, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import peaks, play, prepare
 from rbd_model.levels.models import wheelset_in_frame
 from rbd_model.linear import Mode, critical_speed
 from rbd_model.vehicle.parameters import tables_4_1_and_4_2
-from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue, modes_at
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, single, write_at
-from scenarios.reporting.report import Report, Row, measured, near
-from scenarios.scenario import Options, Scenario
 
 FITTED, PRINTED = tables_4_1_and_4_2().longitudinal_half_spacing, 0.35
 SPEEDS = np.arange(5.0, 45.1, 1.0)

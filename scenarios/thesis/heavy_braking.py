@@ -5,17 +5,17 @@ from itertools import product
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, motion_columns
+from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, mark, one_word, panels
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, measured, rounding
+from bogie_braking.reporting.scenario import Options, Scenario, Sweepable
 from fmu_src.cosimulation.master import cosimulate
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import AT_REST, located_lock_time, play, prepare
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
-from scenarios.bench.drive import AT_REST, located_lock_time, play, prepare
 from scenarios.bench.open_fmus import open_bogie
-from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, one_word, panels
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, measured, rounding
-from scenarios.scenario import Options, Scenario, Sweepable
 
 INITIAL_SPEED, TORQUE, BRAKE_TIME, DURATION = 25.0, 60e3, 4.0, 20.0
 #: Recording interval of the three-dimensional view of a report [s].

@@ -5,19 +5,19 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from scipy.optimize import bisect
 
+from bogie_braking.reporting.plots import BOGIE, LINES, THREE, single
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from brake_controller.experiment import EXPERIMENT
 from brake_controller.parameters import qr30
 from fmu_src.cosimulation.master import Connection, Coupling
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import FmuInstance
+from products.kernel_runs import AT_REST
 from rbd_model.vehicle.parameters import AS_PRINTED, tables_8_1_and_8_2
-from scenarios.bench.drive import AT_REST
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, FRICTION_RANGE, bogie_parameters
-from scenarios.reporting.plots import BOGIE, LINES, THREE, single
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: Communication step of many short runs: the torque of 0.8 s build-up needs no finer one [s].
 DEFAULT_STEP = 0.01

@@ -11,22 +11,22 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, motion_columns
+from bogie_braking.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, measured, near, number, rounding
+from bogie_braking.reporting.scenario import BadInputError, Options, Scenario
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
 from brake_controller.parameters import qr30
 from fmu_src.cosimulation.master import Connection, Coupling, cosimulate
 from fmu_src.cosimulation.recording import Recording
 from products.building import units_of
+from products.kernel_runs import AT_REST, play, prepare
 from rbd_model.vehicle.parameters import AS_PRINTED, tables_8_1_and_8_2
 from rbd_model.vehicle.ready import two_axle_bogie
-from scenarios.bench.drive import AT_REST, play, prepare
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, RECORDED, bogie_parameters
 from scenarios.bench.torque_history import read_torque_history
-from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, measured, near, number, rounding
-from scenarios.scenario import BadInputError, Options, Scenario
 
 #: Time of brake application [s]. Assumed: the thesis's figures begin about a second before.
 BRAKE_TIME = 1.0

@@ -5,15 +5,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, THESIS, mark, panels
+from bogie_braking.reporting.report import Report, Row, measured, near, number, rounding
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.master import cosimulate
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import FmuInstance
 from rbd_model.levels.models import recommend_level
 from rbd_model.vehicle.parameters import BogieParameters, as_printed, tables_5_1_and_5_2
 from scenarios.bench.open_fmus import open_bogie
-from scenarios.reporting.plots import BOGIE, THESIS, mark, panels
-from scenarios.reporting.report import Report, Row, measured, near, number, rounding
-from scenarios.scenario import Options, Scenario
 
 DURATION = 40.0
 FULL_TORQUE = 15e3

@@ -3,6 +3,10 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, irregular, motion_columns
+from bogie_braking.reporting.plots import LEADING, TRAILING, plt, titled
+from bogie_braking.reporting.report import Report, Row, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.vehicle.parameters import as_printed, tables_4_1_and_4_2
 from rbd_model.vehicle.ready import wheelset_under_frame
@@ -15,10 +19,6 @@ from scenarios.bench.hunting_wheelset import (
     hunt,
     hunting_period,
 )
-from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Report, Row, measured
-from scenarios.scenario import Options, Scenario
 
 SPEEDS = (15.0, 25.0, 30.0)
 #: Small disturbance [m], whose growth is visible before the flange ends it.

@@ -5,14 +5,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, irregular, motion_columns
+from bogie_braking.reporting.plots import BOGIE, TRAILING, mark, one_word, single, write_at
+from bogie_braking.reporting.report import Report, Row, at_least, at_most, between, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import play, prepare
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from rbd_model.vehicle.ready import wheelset_under_frame
-from scenarios.bench.drive import play, prepare
-from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import BOGIE, TRAILING, mark, one_word, single, write_at
-from scenarios.reporting.report import Report, Row, at_least, at_most, between, measured, near
-from scenarios.scenario import Options, Scenario
 
 TORQUE, APPLIED, SPEED = 25e3, 2.0, 25.0
 FRICTIONS = (0.3, 0.1)

@@ -3,12 +3,12 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, mark, single, write_at
+from bogie_braking.reporting.report import Report, Row, rounding
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import play, prepare
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
-from scenarios.bench.drive import play, prepare
-from scenarios.reporting.plots import BOGIE, mark, single, write_at
-from scenarios.reporting.report import Report, Row, rounding
-from scenarios.scenario import Options, Scenario
 
 TORQUE, LOW, HIGH = 5e3, 10.0, 25.0
 BRAKE = (21.0, 31.0)

@@ -5,18 +5,18 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, irregular, motion_columns
+from bogie_braking.reporting.plots import BOGIE, LEADING, THESIS, one_word, plt, titled
+from bogie_braking.reporting.report import Report, Row, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
+from products.kernel_runs import peaks, play, prepare
 from rbd_model.levels.models import wheelset_in_frame
 from rbd_model.linear import critical_speed, oscillations
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_4_2
 from rbd_model.vehicle.ready import wheelset_under_frame
-from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import WAVELENGTH
-from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, one_word, plt, titled
-from scenarios.reporting.report import Report, Row, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: The thesis reports neither the torque nor the disturbance. The smaller torque hardly changes the critical speed.
 TORQUES, APPLIED = (1e3, 5e3), 2.5

@@ -11,16 +11,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import LEADING, TRAILING, one_word, single
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Bound, Report, Row, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario, Sweepable
 from brake_controller.brake_weight import KILOMETRES_PER_HOUR, Case, stopping_distance
 from fmu_src.cosimulation.recording import Recording
 from scenarios.bench.shunting_stop import ONCE, PUBLISHED, SHIFTED, Array, distances
 from scenarios.benchmark.case import Point
 from scenarios.benchmark.case_file import CASES, read_case
 from scenarios.benchmark.own.percentage import answer
-from scenarios.reporting.plots import LEADING, TRAILING, one_word, single
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Bound, Report, Row, measured, near
-from scenarios.scenario import Options, Scenario, Sweepable
 
 #: Benchmark cases of the ten distances, and of the shunting stops: G, then P.
 DISTANCES, SHUNTING = (read_case(CASES / f"{name}.toml") for name in ("conversion-model", "railprofac-shunting"))

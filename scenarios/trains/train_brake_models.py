@@ -9,15 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE as GREY
+from bogie_braking.reporting.plots import FOUR, charts
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, at_most, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from products.train.brake_model import BRAKE_MODELS_BY_COST
 from products.train.train import Train
 from scenarios.bench.train_runs import train_of
-from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import FOUR, charts
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, at_most, measured
-from scenarios.scenario import Options, Scenario
 
 #: Lengths of the trains behind the errors in products/train/brake_model.py, and of the trains that test them [m].
 FITTED, HELD = (300.0, 900.0), (250.0, 400.0, 1200.0)

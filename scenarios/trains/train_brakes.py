@@ -11,14 +11,14 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from bogie_braking.reporting.plots import FOUR, LINES, charts
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_least, at_most, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist_file import consist_of
 from products.train.train import Train
 from scenarios.bench.train_runs import Course, seconds_of, stop
-from scenarios.reporting.plots import FOUR, LINES, charts
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, at_most, measured
-from scenarios.scenario import Options, Scenario
 
 CARS, SPEED, LOOK = 60, 80.0 / 3.6, 5.0
 #: Commands: position of the driver's valve, and step.

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import FOUR, charts, one_word
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_least, at_most, measured
+from bogie_braking.reporting.scenario import Options, Scenario, Sweepable
 from products.train.train import Train
 from rbd_model.train.coupler import COUPLERS
 from scenarios.bench.train_runs import Course, build_up_time, follow, propagation, seconds_of, stop, train_of
-from scenarios.reporting.plots import FOUR, charts, one_word
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, at_most, measured
-from scenarios.scenario import Options, Scenario, Sweepable
 
 LENGTHS, SPEED = (400.0, 750.0, 1000.0, 1500.0), 100 / 3.6
 #: Positions of the distributors: common one of all vehicles, and number of vehicles at the head in G.

@@ -12,6 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import FOUR, charts, one_word
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_least, at_most, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from brake_controller.brake_weight import Case
 from brake_controller.brake_weight import build_up_time as formula
 from brake_controller.distributors.uic import filling_choke, freight
@@ -19,10 +23,6 @@ from products.train.consist import Consist
 from products.train.numbers import Settings
 from products.train.train import Train
 from scenarios.bench.train_runs import Course, build_up_time, follow, propagation, train_of
-from scenarios.reporting.plots import FOUR, charts, one_word
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, at_most, measured
-from scenarios.scenario import Options, Scenario
 
 #: Lengths by position [m]; mixed trains have five vehicles in G at their head.
 LENGTHS = {"P": (400.0, 500.0, 600.0), "G": (400.0, 600.0, 750.0, 900.0), "five in G": (900.0, 1200.0, 1500.0)}

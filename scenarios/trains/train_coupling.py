@@ -10,15 +10,15 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import FOUR, single
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Measure, Report, at_most, measured, near, rows_of
+from bogie_braking.reporting.scenario import Options, Scenario
 from products.train.consist import Consist, TrainVehicle, block_train
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.train.coupler import COUPLERS, Coupler, Curve
 from scenarios.bench.train_runs import Course, follow
-from scenarios.reporting.plots import FOUR, single
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Measure, Report, at_most, measured, near, rows_of
-from scenarios.scenario import Options, Scenario
 
 #: Speeds [m/s], standing vehicles, of which the first has its brake applied, and initial gap [m].
 SPEEDS, STANDING, GAP = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0), 3, 1.0

@@ -14,6 +14,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import LEADING, TRAILING, charts
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_most, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from brake_controller.air import AMBIENT
 from brake_controller.brake_heat import SURROUNDINGS, WHEELS, BrakeHeat
 from fmu_src.cosimulation.recording import Recording
@@ -25,10 +29,6 @@ from products.train.train import Train
 from rbd_model.track.line import Line
 from rbd_model.train.vehicle import GRAVITY
 from scenarios.bench.warm_slab import Slab
-from scenarios.reporting.plots import LEADING, TRAILING, charts
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: Drag case of the TSI: gradient [1], speed [m/s], distance [m], mass on an axle [kg]; power of a wheel [W], time [s].
 DRAG, SPEED, FAR, AXLE = 0.021, 70.0 / 3.6, 40e3, 22.5e3

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import FOUR, LINES, charts
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, at_least, at_most, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from products.train.consist import Consist, coach, locomotive
 from products.train.train import Train
 from rbd_model.track.friction import RailCondition, dry, low
 from rbd_model.track.recovery import assumed_recovery
 from scenarios.bench.train_runs import Course, follow, seconds_of, stands
-from scenarios.reporting.plots import FOUR, LINES, charts
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, at_least, at_most, measured
-from scenarios.scenario import Options, Scenario
 
 COACHES, SPEED, INTERVAL = 7, 140 / 3.6, 0.02
 #: Slip above which the protection vents, and below which it applies again [1]; between both it holds.

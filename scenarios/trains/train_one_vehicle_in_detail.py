@@ -7,6 +7,11 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE as GREY
+from bogie_braking.reporting.plots import FOUR, charts
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_most, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from products.train.train import Train
 from rbd_model.train.coupler import screw_coupler
@@ -24,11 +29,6 @@ from scenarios.bench.mixed_train import (
     mixed,
 )
 from scenarios.bench.pushed_in_a_curve import RADIUS, on_paper, pushed
-from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import FOUR, charts
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: Macro steps [s]; that of the rows, and the fine one of the reference; duration of an emergency from SPEED [s].
 STEPS = (5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import FOUR, panels
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, at_most, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from products.train.train import Train
 from scenarios.bench.train_runs import Course, follow, seconds_of, stands, train_of
-from scenarios.reporting.plots import FOUR, panels
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, at_most, measured
-from scenarios.scenario import Options, Scenario
 
 LENGTH, SPEED = 500.0, 80 / 3.6
 #: Places of parting, as a share of the vehicles; time at which the driver shuts the valve off, or infinity [s].

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import FOUR, charts, one_word
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Measure, Report, at_least, at_most, between, measured, rows_of
+from bogie_braking.reporting.scenario import Options, Scenario
 from products.train.train import Train
 from scenarios.bench.train_runs import Course, follow, train_of
-from scenarios.reporting.plots import FOUR, charts, one_word
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Measure, Report, at_least, at_most, between, measured, rows_of
-from scenarios.scenario import Options, Scenario
 
 LENGTHS, SPEED = (400.0, 750.0, 1200.0), 80 / 3.6
 #: Duration of full service, of an overcharge before running, and of the simulation [s].

@@ -9,6 +9,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.integrate import quad
 
+from bogie_braking.reporting.plots import FOUR, LINES, mark, panels
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, at_most, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from brake_controller.air import DISCHARGE
 from brake_controller.distributors.uic import freight
 from products.train.consist import Consist, block_train
@@ -16,10 +20,6 @@ from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
 from scenarios.bench.train_runs import Course, follow, seconds_of
-from scenarios.reporting.plots import FOUR, LINES, mark, panels
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, at_most, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: Gradients [1], diameters of the leaks of each cylinder [m], and wagons.
 GRADIENTS, LEAKS, WAGONS = (0.01, 0.025), (0.5e-3, 1e-3), 20

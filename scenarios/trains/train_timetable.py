@@ -13,14 +13,14 @@ from matplotlib.figure import Figure
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from bogie_braking.reporting.plots import LEADING, TRAILING, charts
+from bogie_braking.reporting.report import Report, Row, at_most, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist_file import consist_of
 from products.train.timetable import StationStop, TimetableDriver
 from products.train.train import Train
 from rbd_model.train.vehicle import GRAVITY
-from scenarios.reporting.plots import LEADING, TRAILING, charts
-from scenarios.reporting.report import Report, Row, at_most, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: The locomotive: force [kN] and power [kW]; the train behind it.
 MOTORS: dict[str, Any] = {"traction_force": 300.0, "traction_power": 5600.0}

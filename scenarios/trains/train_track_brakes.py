@@ -12,15 +12,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.integrate import quad
 
+from bogie_braking.reporting.plots import FOUR, LINES, single
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, at_least, at_most, between, measured
+from bogie_braking.reporting.scenario import Options, Scenario
 from products.train.consist_file import consist_of
 from products.train.train import Train
 from rbd_model.track.line import Line
 from scenarios.bench.train_runs import Course, follow, seconds_of
 from scenarios.bench.train_runs import stop as stopped
-from scenarios.reporting.plots import FOUR, LINES, single
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, at_least, at_most, between, measured
-from scenarios.scenario import Options, Scenario
 
 #: Friction between wheels and rail [1], the one of the message, and speed at the start [m/s].
 FRICTIONS, LOW, SPEED = (0.02, 0.03, 0.05, 0.075, 0.1, 0.15), 0.05, 160 / 3.6

@@ -9,16 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, charts, write_at
+from bogie_braking.reporting.report import Report, Row, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from brake_controller.motors import traction_inverter
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from products.driven_wheelset import BOTH_ELASTIC, ELASTIC_AXLE, ELASTIC_DRIVE, RIGID, SHAFTS
+from products.kernel_runs import prepare
 from rbd_model.wheelset.driven import electric_locomotive
-from scenarios.bench.drive import prepare
 from scenarios.bench.ringing import modes_in
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, charts, write_at
-from scenarios.reporting.report import Report, Row, measured, near
-from scenarios.scenario import Options, Scenario
 
 NAME, P, MOTOR = "driven-wheelset", electric_locomotive(), traction_inverter()
 #: Friction of the comparisons, with the fall of a dry rail; start speed [m/s], duration and interval [s].

@@ -5,18 +5,18 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, FOUR, one_word, plt, titled
+from bogie_braking.reporting.report import Report, Row, at_least, at_most, between
+from bogie_braking.reporting.scenario import Options, Scenario
 from products.coach import NUMBERS
 from products.machine import coach, coach_brake
+from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RailCase
 from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
 from products.protection.settings import BRAKE_START, Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
-from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.reporting.plots import BOGIE, FOUR, one_word, plt, titled
-from scenarios.reporting.report import Report, Row, at_least, at_most, between
-from scenarios.scenario import Options, Scenario
 
 #: Factor on the friction under each wheelset, on a rail cleaned by the one before it. Assumed.
 CLEANED = 1.1

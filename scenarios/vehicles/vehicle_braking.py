@@ -5,15 +5,15 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.motion import Motion, motion_columns
+from bogie_braking.reporting.plots import FOUR, LINES, panels
+from bogie_braking.reporting.report import Report, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from products.coach import COACH, NUMBERS, brakes
+from products.kernel_runs import located_lock_time, play, prepare
 from rbd_model.vehicle.ready import passenger_coach
-from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import rigid_axle_loads
-from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import FOUR, LINES, panels
-from scenarios.reporting.report import Report, measured, near
-from scenarios.scenario import Options, Scenario
 
 PLANAR = 2
 SPEED, TORQUE, SETTLED, DURATION, INTERVAL = 50.0, 5e3, 14.0, 15.0, 0.01

@@ -9,16 +9,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_most, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.master import Coupling, Master
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import FmuInstance
 from products.building import up_to_date
 from products.machine import coach, coach_brake
 from scenarios.bench.coupled_machine import CoupledMachine
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: Initial speed of the full brake [m/s], applied at t = 0, and simulated time [s]: the brake reaches 95 %.
 SPEED, DURATION = 25.0, 2.0

@@ -7,15 +7,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.linalg import eig
 
+from bogie_braking.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from products.coach import AS_PUBLISHED, COACH, NUMBERS
+from products.kernel_runs import DRAG, RIGID, SETTLED, prepare, system_of
 from rbd_model.linear import Mode, critical_speed, oscillations, reduced_jacobian
-from scenarios.bench.drive import DRAG, RIGID, SETTLED, prepare, system_of
-from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, measured, near
-from scenarios.scenario import Options, Scenario
 
 #: Speeds of the plot [m/s].
 SPEEDS = np.arange(5.0, 111.0, 3.0)

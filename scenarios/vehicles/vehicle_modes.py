@@ -4,13 +4,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import BOGIE, LEADING, plt, titled
+from bogie_braking.reporting.report import Report, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from products.coach import AS_PUBLISHED, COACH, NUMBERS
+from products.kernel_runs import DRAG, RIGID, SETTLED, prepare, settled, system_of
 from rbd_model.linear import Mode, oscillations
-from scenarios.bench.drive import DRAG, RIGID, SETTLED, prepare, settled, system_of
-from scenarios.reporting.plots import BOGIE, LEADING, plt, titled
-from scenarios.reporting.report import Report, measured, near
-from scenarios.scenario import Options, Scenario
 
 PLANAR, SPATIAL = 2, 3
 #: Frequencies of the vertical springs alone [Hz], from the masses and stiffnesses of Iwnicki (1998).

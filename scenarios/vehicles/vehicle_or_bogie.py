@@ -7,18 +7,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bogie_braking.reporting.plots import LEADING, THREE, TRAILING, plt, titled
+from bogie_braking.reporting.progress import counting
+from bogie_braking.reporting.report import Report, Row, at_most, measured, near
+from bogie_braking.reporting.scenario import Options, Scenario
+from bogie_braking.reporting.timing import LEVELS, least
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from products.coach import COACH, NUMBERS
+from products.kernel_runs import located_lock_time, play, prepare
 from products.machine import coach
 from rbd_model.vehicle.parameters import one_bogie_of
-from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import rigid_axle_loads
-from scenarios.measuring.timing import LEVELS, least
-from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
-from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, measured, near
-from scenarios.scenario import Options, Scenario
 
 SPEED, PLANAR = 30.0, 2
 #: Ramp of each brake's torque, simulated time, start of the evaluation and recording interval [s].

@@ -16,14 +16,14 @@ import fmpy
 import pytest
 
 import build_fmu
+from bogie_braking.controllers.controller_loader import fmu_names
+from bogie_braking.reporting.scenario import BadInputError
 from fmu_src import archive
 from fmu_src.compile import library_suffix
 from fmu_src.cosimulation import slave as slave_module
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.protection.in_fmu import InFmu
 from readers.storage import StorageError
-from scenarios.controllers.controller_loader import fmu_names
-from scenarios.scenario import BadInputError
 from tests.fmu.limits import files_of_at_most
 from tests.fmu.objects import COUNTS
 

@@ -15,6 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from bogie_braking import doctor
 from fmu_src import archive, kept
 from fmu_src import compile as compiling
 from fmu_src.compile import CompilerError
@@ -22,7 +23,6 @@ from fmu_src.cosimulation.recording import Recording
 from products import build_notes, prebuilt
 from products.prebuilt import CONTENTS, contents, shipped, write_contents
 from readers.storage import PARTIAL, StorageError, is_full
-from scenarios import doctor
 from tests.fmu.limits import files_of_at_most
 
 ANSWER = {"answer.c": '__attribute__((visibility("default"))) int answer(void);\nint answer(void) { return 42; }\n'}

@@ -18,8 +18,8 @@ import numpy as np
 from fmpy import extract, read_model_description
 
 from fmu_src import compile as compiling
-from scenarios.bench.drive import value_at
-from scenarios.measuring.stops import Stop
+from products.dry_stops import Stop
+from products.kernel_runs import value_at
 
 #: Types in `counting_host.c` by types of FMI.
 KINDS = {"Real": "r", "Integer": "i", "Boolean": "b", "Enumeration": "i"}

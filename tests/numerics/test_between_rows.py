@@ -9,16 +9,16 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from bogie_braking.live.lines import BEFORE, BEGIN, CANTS, TRANSITION, line_for
 from fmu_src.codegen import KERNEL_SOURCES
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System
 from rbd_model.track.irregularity import track_from_points
 from rbd_model.track.line import NAMES, Line, arc, clothoid, line_of, straight
 from rbd_model.track.line_table import COLUMNS, GAUGE, LARGEST_TURN, ROUNDING
-from scenarios.live.lines import BEFORE, BEGIN, CANTS, TRANSITION, line_for
 from tests.numerics.test_line_file import surveyor  # noqa: F401
 
-WEB = Path(__file__).parents[2] / "scenarios/live/web"
+WEB = Path(__file__).parents[2] / "bogie_braking/live/web"
 
 #: Rounding errors of a column, relative to its limits.
 ROUND_OFF = 1e-12

@@ -14,8 +14,8 @@ import pytest
 from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, Library, SimulationError
 from fmu_src.system import System, Variable, model_of
-from scenarios.bench.drive import prepare, value_at
-from scenarios.measuring.stops import Stop, stop_of
+from products.dry_stops import Stop, stop_of
+from products.kernel_runs import prepare, value_at
 from tests.conftest import Fmus
 from tests.needed import needed
 from tests.numerics.counted_steps import CASES, HostError, Steps, make_steps

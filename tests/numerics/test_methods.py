@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from evidence.measuring.runs import layout, own
+from evidence.measuring.scenes import LOCK_UP, ON_PATCHES, SCENES, SMOOTH, Scene, difference
+from evidence.peers import sundials
+from evidence.peers.exchange import IN_THE_PLANE, exchange
+from evidence.peers.scipy_methods import scipy
+from evidence.peers.work_precision import in_the_plane, reference_of
 from fmu_src.compile import build_library
 from fmu_src.kernel import ERROR, Kernel, Library, SimulationError
 from fmu_src.system import System, Variable, model_of
+from products.kernel_runs import RIGID, prepare
 from rbd_model.vehicle.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
-from scenarios.bench.drive import RIGID, prepare
-from scenarios.comparisons.peers import sundials
-from scenarios.comparisons.peers.exchange import IN_THE_PLANE, exchange
-from scenarios.comparisons.peers.scipy_methods import scipy
-from scenarios.comparisons.peers.work_precision import in_the_plane, reference_of
-from scenarios.measuring.runs import layout, own
-from scenarios.measuring.scenes import LOCK_UP, ON_PATCHES, SCENES, SMOOTH, Scene, difference
 
 #: Tolerance of the orders by docs/checking.md.
 ORDER_BAND = 0.2

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 
 from bogie_braking.machines import model_from, vehicle
-from fmu_src.kernel import Kernel
-from rbd_model.levels.models import places_of
-from scenarios.measuring.drift import drift
-from scenarios.measuring.fold import approach
-from scenarios.measuring.stability import (
+from evidence.measuring.drift import drift
+from evidence.measuring.fold import approach
+from evidence.measuring.stability import (
     MACHINES,
     PATCHES,
     PLANAR,
@@ -27,6 +25,8 @@ from scenarios.measuring.stability import (
     largest_stable_step,
     limit,
 )
+from fmu_src.kernel import Kernel
+from rbd_model.levels.models import places_of
 from tests.quick_library import quick_library
 
 SPEEDS = (0.01, 0.1, 1.0, 10.0, 25.0, 60.0)

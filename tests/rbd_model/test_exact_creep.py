@@ -10,21 +10,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmu_src.chain import Chain
-from rbd_model.contact.creep.exact import exact, half_space
-from rbd_model.contact.creep.exact_table import exact_law, shipped
-from rbd_model.contact.creep.fastrip import fastrip
-from rbd_model.contact.creep.fastsim import fastsim
-from rbd_model.contact.creep.kalker import kalker_coefficients, smooth_kalker_coefficients
-from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
-from rbd_model.contact.creep.law import CreepLaw
-from rbd_model.contact.creep.polach import polach
-from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
-from rbd_model.contact.creep.tabulated import axes, patch_at
-from scenarios.contact.creep_laws import exact as published
-from scenarios.measuring.creep_cost import SHEAR_MODULUS, symbols, values, with_coefficients
-from scenarios.measuring.creep_cost import forces as law_at
-from scenarios.measuring.exact_states import (
+from evidence.contact.creep_laws import exact as published
+from evidence.measuring.creep_cost import SHEAR_MODULUS, symbols, values, with_coefficients
+from evidence.measuring.creep_cost import forces as law_at
+from evidence.measuring.exact_states import (
     BEYOND,
     COUNT,
     EACH,
@@ -38,6 +27,17 @@ from scenarios.measuring.exact_states import (
     random_states,
     read,
 )
+from fmu_src.chain import Chain
+from rbd_model.contact.creep.exact import exact, half_space
+from rbd_model.contact.creep.exact_table import exact_law, shipped
+from rbd_model.contact.creep.fastrip import fastrip
+from rbd_model.contact.creep.fastsim import fastsim
+from rbd_model.contact.creep.kalker import kalker_coefficients, smooth_kalker_coefficients
+from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
+from rbd_model.contact.creep.law import CreepLaw
+from rbd_model.contact.creep.polach import polach
+from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
+from rbd_model.contact.creep.tabulated import axes, patch_at
 
 #: Published rows on two grids.
 ROWS = Path(__file__).parents[1] / "data" / "creep" / "exact.csv"

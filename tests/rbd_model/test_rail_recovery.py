@@ -9,8 +9,8 @@ import pytest
 
 from fmu_src.kernel import Kernel, Library
 from products.building import kernel_of
+from products.kernel_runs import prepare
 from rbd_model.track.recovery import SCATTER, SLOWEST, assumed_recovery, easy_recovery, hard_recovery, no_recovery
-from scenarios.bench.drive import prepare
 
 P = assumed_recovery()
 GAIN = P.recovered_friction - P.degraded_friction

@@ -11,6 +11,7 @@ import pytest
 from scipy.interpolate import make_lsq_spline
 from scipy.special import beta
 
+from bogie_braking.profiles.smoothing_picture import curvature, distance_of_points, draw_smoothing
 from rbd_model.contact.geometry import Pair, equivalent_conicity
 from rbd_model.contact.profiles import (
     DEGREE,
@@ -23,7 +24,6 @@ from rbd_model.contact.profiles import (
     rail_head,
     smoothed,
 )
-from scenarios.reporting.smoothing_picture import curvature, distance_of_points, draw_smoothing
 
 #: Data from published sources; README.md there names them.
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"

@@ -14,6 +14,7 @@ import pytest
 
 from fmu_src.kernel import Kernel, SimulationError
 from fmu_src.system import System, model_of
+from products.kernel_runs import prepare
 from rbd_model.contact.depth import Contact
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.levels.steady import NO_STEADY_STATE
@@ -23,7 +24,6 @@ from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import FrictionSlider, SeriesDamper, Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie
 from scenarios.bench.curves import suited_speed
-from scenarios.bench.drive import prepare
 from tests.quick_library import quick_library
 
 VEHICLES = {"bogie": two_axle_bogie(), "vehicle": passenger_coach(), "coal-wagon": loaded_coal_wagon()}

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from evidence.contact.creep_laws import exact
+from evidence.measuring.creep_cost import values
 from fmu_src.kernel import Kernel
 from fmu_src.system import model_of
 from rbd_model.contact.creep.kalker_linear import kalker_linear
@@ -18,8 +20,6 @@ from rbd_model.contact.depth import Contact
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.vehicle.ready import wheelset_under_frame
-from scenarios.contact.creep_laws import exact
-from scenarios.measuring.creep_cost import values
 from tests.quick_library import quick_library
 
 #: Errors between the nodes of the table, of mu N: measured 0.53 % at the cases of exact theory, 0.07 % on average.

@@ -11,10 +11,10 @@ from scipy.linalg import eigvals, expm
 
 from fmu_src.kernel import Kernel
 from fmu_src.system import model_of
+from products.kernel_runs import prepare, system_of
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.parameters import VehicleParameters, coach_with_traction_rods, manchester_vehicle_1
 from rbd_model.vehicle.ready import passenger_coach
-from scenarios.bench.drive import prepare, system_of
 from tests.quick_library import quick_library
 
 PLANAR, SPATIAL = 2, 3

@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bogie_braking.controllers.replay import read_log as read_replayed
 from readers.columns import TableError
 from readers.log_rows import after_events, averaged, filled
 from readers.logs import read_log
 from scenarios.bench.torque_history import read_torque_history
-from scenarios.controllers.replay import read_log as read_replayed
 
 VARIABLES = {"time": "s", "speed": "m/s", "distance": "m", "wheel_speed_1": "m/s", "wheel_speed_2": "m/s"}
 VARIABLES |= {"pressure_1": "Pa", "pressure_2": "Pa"}

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bogie_braking.controllers.replay import read_log
 from products.protection.criteria import read_criteria
 from products.protection.programme import read_programme
 from products.train.consist_file import read_consist
@@ -17,7 +18,6 @@ from rbd_model.contact.creep.tabulated import CreepTable, axes, read_creep_table
 from rbd_model.track.line import Line, read_line
 from readers import text as text_files
 from scenarios.bench.torque_history import read_torque_history
-from scenarios.controllers.replay import read_log
 from tests.readers.mutations import (
     CONSISTS,
     CONSISTS_IN_TOML,

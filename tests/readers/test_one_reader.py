@@ -17,8 +17,8 @@ READS = re.compile(
 #: table cell by cell. A reader of numbers would accept other strings of the same number.
 READERS = {"readers/tables.py", "readers/toml_files.py"}
 OF_OWN_DATA = {
-    *("products/promised_variables.py", "scenarios/contact/creep_laws.py", "scenarios/contact/contact_manchester.py"),
-    *("scenarios/measuring/exact_states.py", "scenarios/controllers/reference.py"),
+    *("products/promised_variables.py", "evidence/contact/creep_laws.py", "scenarios/contact/contact_manchester.py"),
+    *("evidence/measuring/exact_states.py", "bogie_braking/controllers/reference.py"),
 }
 
 

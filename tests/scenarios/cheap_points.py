@@ -79,11 +79,11 @@ def made_by() -> tuple[str, dict[str, str]]:
 @contextmanager
 def catalogued(evaluator: Callable[..., Any] | None, code: tuple[str, dict[str, str]]) -> Iterator[None]:
     """Make these points scenarios; an evaluator may replace the worker processes."""
+    from bogie_braking.reporting.scenario import Scenario, Sweepable
     from products.study import study
     from products.study.points import in_processes, sources
     from scenarios import catalogue
-    from scenarios import sweep as command
-    from scenarios.scenario import Scenario, Sweepable
+    from scenarios.commands import sweeping as command
 
     def scenario(name: str, sweep: Sweepable) -> Scenario:
         return Scenario(name, "for the tests", lambda options: None, sweep=sweep)

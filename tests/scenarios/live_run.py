@@ -6,6 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from bogie_braking.live.lines import line_for
+from bogie_braking.live.machines import MACHINES, YAW_PER_BRAKE_TORQUE, model_of
+from bogie_braking.live.presets import DEFAULTS, PERIOD
 from brake_controller.wheel_slide import APPLY, VENT
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
@@ -13,9 +16,6 @@ from products.machine import FULL_PRESSURE
 from products.protection.encoder import Encoder
 from products.protection.slide_protection import SlideProtection
 from rbd_model.vehicle.description import size_of
-from scenarios.live.lines import line_for
-from scenarios.live.machines import MACHINES, YAW_PER_BRAKE_TORQUE, model_of
-from scenarios.live.presets import DEFAULTS, PERIOD
 
 #: LEAVES (distance ahead and length [m], friction [1]) and RESTS [m/s] of the page.
 AHEAD, LENGTH, LEAVES, RESTS = 25.0, 100.0, 0.05, 0.01

@@ -39,7 +39,7 @@ def token() -> Iterator[int]:
 def start() -> Callable[..., Any]:
     """Return a function that starts another one in a separate process that has already made the slow imports."""
     forkserver = multiprocessing.get_context("forkserver")
-    forkserver.set_forkserver_preload(["bogie_braking.commands.run"])
+    forkserver.set_forkserver_preload(["scenarios.commands.run"])
 
     def process(function: Callable[..., object], *arguments: object) -> Any:
         made = forkserver.Process(target=function, args=arguments)

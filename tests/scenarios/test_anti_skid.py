@@ -14,6 +14,7 @@ import pytest
 from brake_controller.slide_protection import common_protection
 from brake_controller.wheel_slide import WheelSlideController
 from products.machine import Machine, bogie, coach
+from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.rails import ABOVE, LONGEST_LOCK, OVER_IDEAL, RAILS, SHARE
 from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
@@ -22,9 +23,8 @@ from products.protection.slide_protection import SlideProtection
 from rbd_model.contact.friction import constant_friction
 from rbd_model.track.friction import RailCondition, low
 from scenarios.bench.own_controller import FixedSlip
-from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.bench.rail_programme import for_choosing, for_reporting, programme, scores
 from scenarios.brakes import anti_skid
+from tests.rail_programme import for_choosing, for_reporting, programme, scores
 from tests.rbd_model.test_adhesion import adhesion
 
 DRY, _, LOW, _ = (rail.values() for rail in RAILS)
@@ -159,7 +159,7 @@ def test_a_sweep_says_that_a_run_never_stopped(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_an_ideal_that_never_stops_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scenarios.bench.peak_adhesion.LONGEST", 5.0)
+    monkeypatch.setattr("products.protection.peak_adhesion.LONGEST", 5.0)
     with pytest.raises(ValueError, match="The rail must be one that stops the vehicle from 25 m/s within 5 s"):
         PeakAdhesion(bogie(), LOW).stopping_distance(25.0)
 

@@ -37,7 +37,7 @@ def answer(question, inputs):
 
 @pytest.mark.parametrize("name", SERVED)
 def test_a_peer_answers_where_it_is_installed(name: str) -> None:
-    module = importlib.import_module(f"scenarios.benchmark.peers.{name}")
+    module = importlib.import_module(f"evidence.benchmark_peers.{name}")
     case_name, answer, allowed = SERVED[name]
     case = read_case(CASES / f"{case_name}.toml")
     assert module.answer("no such question", dict(case.points[0].inputs)) is None

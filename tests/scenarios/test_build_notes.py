@@ -75,7 +75,7 @@ def test_changed_sources_are_written_again(made: Callable[[], int], monkeypatch:
     ("changed", "of_the_bogie", "of_the_brake"),
     [
         ("docs/train.md", False, False),
-        ("scenarios/bench/drive.py", False, False),
+        ("products/kernel_runs.py", False, False),
         ("products/train/train.py", False, False),
         ("brake_controller/cylinder.py", False, True),
         ("rbd_model/contact/creep/polach.py", True, False),

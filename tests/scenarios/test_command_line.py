@@ -15,9 +15,11 @@ from pathlib import Path
 
 import pytest
 
+from bogie_braking import doctor
 from bogie_braking.__main__ import main
-from bogie_braking.commands import run as run_command
 from bogie_braking.exit_status import FAILED, NOBODY_READS
+from bogie_braking.reporting import progress, report
+from bogie_braking.reporting.saved import wall_seconds
 from brake_controller.cylinder import brake_cylinder
 from fmu_src import codegen
 from fmu_src import compile as compiling
@@ -25,10 +27,8 @@ from fmu_src import progress as fmu_progress
 from fmu_src.progress import counting, without_bars
 from products import prebuilt
 from products.sources import HOUSE, digest
-from scenarios import doctor
 from scenarios.catalogue import SCENARIOS
-from scenarios.reporting import progress, report
-from scenarios.reporting.saved import wall_seconds
+from scenarios.commands import run as run_command
 
 ROOT = Path(__file__).parents[2]
 

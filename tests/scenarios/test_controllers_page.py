@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from bogie_braking.__main__ import main
+from bogie_braking.controllers.page import MOST_SAMPLES, thinned
 from products.machine import bogie
 from products.protection.history import EVERY
 from products.protection.programme import read_programme
@@ -18,7 +19,6 @@ from products.protection.rig import Rig
 from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from products.protection.spread import Spread, draws_of
-from scenarios.controllers.page import MOST_SAMPLES, thinned
 from tests.axe import violations
 from tests.browser import Browser, Page, browser
 

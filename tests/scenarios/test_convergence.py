@@ -6,13 +6,13 @@ import math
 
 import pytest
 
+from bogie_braking.reporting.report import Row
+from bogie_braking.reporting.scenario import Options
 from fmu_src.kernel import Kernel, Library
+from products import kernel_runs as scene
 from rbd_model.levels.models import DEFAULT_TOLERANCE
-from scenarios.bench import drive as scene
 from scenarios.bench.asymmetric_shoes import FASTEST
 from scenarios.catalogue import find
-from scenarios.reporting.report import Row
-from scenarios.scenario import Options
 from scenarios.thesis import asymmetric_braking
 
 IN_SPACE = (

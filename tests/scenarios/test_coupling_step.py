@@ -11,8 +11,8 @@ import pytest
 
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from fmu_src.cosimulation.slave import FmuInstance
+from products.kernel_runs import prepare
 from scenarios.bench.braked_bogie import bogie_values
-from scenarios.bench.drive import prepare
 from scenarios.coupling.error import MASTERS, RATE, CoupledStop, coupled_stop, error_on_paper, order, reference
 from scenarios.coupling.feedback_boundary import (
     FEEDBACK,

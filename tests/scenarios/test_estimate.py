@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bogie_braking.controllers.estimate import Sample, less, sample_of
+from bogie_braking.controllers.scoring import LOOKS, Plan
+from bogie_braking.controllers.verdict import differs, level_of
 from products.machine import bogie
 from products.protection.programme import Case
 from products.protection.rig import Rig
 from products.protection.rig_in_c import slide_protection
 from products.protection.settings import Settings
 from products.protection.spread import Spread, draws_of
-from scenarios.controllers.estimate import Sample, less, sample_of
-from scenarios.controllers.scoring import LOOKS, Plan
-from scenarios.controllers.verdict import differs, level_of
 
 SEEDS, BOUNDS = 200, (180, 198)
 #: Mean of many stops from 30 km/h on the low rail with the built-in protection and the assumed spread, in steps of 5 ms

@@ -15,20 +15,20 @@ from pathlib import Path
 import pytest
 
 from bogie_braking.__main__ import main
+from bogie_braking.controllers import loop, remote
+from bogie_braking.controllers.loop import Looped, messages, run_in_loop
+from bogie_braking.controllers.remote import WATCHDOG, Remote
+from bogie_braking.reporting.progress import counting
 from brake_controller.rig.udp_client import ANSWER, HEADER, HELLO, HOST, MAGIC, answer, answer_to, is_end, question
 from brake_controller.slide_protection import RIG
 from brake_controller.wheel_slide import Watch, within
+from evidence.measuring.protected_throughput import SHARE, SOURCE, LetGo
 from fmu_src.compile import compiler
 from products.machine import bogie
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Run
 from products.protection.settings import Settings
-from scenarios.controllers import loop, remote
-from scenarios.controllers.loop import Looped, messages, run_in_loop
-from scenarios.controllers.remote import WATCHDOG, Remote
-from scenarios.measuring.protected_throughput import SHARE, SOURCE, LetGo
-from scenarios.reporting.progress import counting
 
 ROOT = Path(__file__).parents[2]
 SHORT = Settings(speed=4.0, period=10e-3)

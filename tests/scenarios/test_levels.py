@@ -8,6 +8,9 @@ import pytest
 from scipy.optimize import brentq
 
 import bogie_braking as bb
+from evidence.numerics import levels
+from evidence.numerics.levels import FRICTION, Answers, brake, error, lock_boundary, start, stop
+from products.kernel_runs import located_lock_time, play
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
@@ -15,9 +18,6 @@ from rbd_model.contact.geometry import contact_at, thesis_pair
 from rbd_model.contact.hertz import ellipse_shape
 from rbd_model.levels.models import DECIDED_BY_LOAD_TRANSFER, STATIC_LOADS_UP_TO
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
-from scenarios.bench.drive import located_lock_time, play
-from scenarios.numerics import levels
-from scenarios.numerics.levels import FRICTION, Answers, brake, error, lock_boundary, start, stop
 
 POINT, PLANAR, SPATIAL = 1, 2, 3
 BOGIE = tables_5_1_and_5_2()

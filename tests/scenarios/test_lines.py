@@ -12,13 +12,13 @@ import pytest
 
 import bogie_braking as bb
 from bogie_braking.__main__ import main
+from bogie_braking.reporting.line_picture import draw_line
+from bogie_braking.reporting.plots import plt
+from evidence.numerics import levels_in_curves
 from rbd_model.track.line import Line, arc, clothoid, line_of, straight
 from scenarios.bench.curves import into_curve, suited_cant
 from scenarios.lines import curve_braking, gradient, transition
 from scenarios.lines.line_from_file import MOST_DEFICIENCY, SPEED, speed_on
-from scenarios.numerics import levels_in_curves
-from scenarios.reporting.line_picture import draw_line
-from scenarios.reporting.plots import plt
 
 #: Tolerance of Y/Q: 2 % of the friction 0.3, within which the table of exact theory is at 99 % of states.
 QUOTIENT_BAND = 0.02 * curve_braking.FRICTION

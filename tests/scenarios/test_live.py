@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bogie_braking.live.machines import MACHINES, model_of
+from bogie_braking.live.page import write_page
+from bogie_braking.live.presets import PERIOD, PRESETS
 from brake_controller.sensors import TIMER
-from scenarios.live.machines import MACHINES, model_of
-from scenarios.live.page import write_page
-from scenarios.live.presets import PERIOD, PRESETS
 from tests.axe import violations
 from tests.browser import Browser, Page, browser
 from tests.scenarios.live_run import Run

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from bogie_braking.reporting.plots import plt
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.track.line import arc, line_of, straight
 from scenarios.brakes import uneven_brakes
 from scenarios.brakes.uneven_brakes import UnevenStop
 from scenarios.lines import line_from_file
-from scenarios.reporting.plots import plt
 from scenarios.thesis import heavy_braking, qr30, wheelset_skid
 from scenarios.vehicles.vehicle_modes import phase
 

@@ -1,13 +1,13 @@
 """A controller that is shown everything: between the ideal stop and the built-in protection."""
 
+from evidence.omniscient import of_all, shortest
 from products.machine import bogie, filling_by_flow
+from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.rig import Rig
 from products.protection.rig_in_c import slide_protection
 from products.protection.runs import Run
 from products.protection.settings import Settings
 from rbd_model.track.friction import low
-from scenarios.bench.omniscient import of_all, shortest
-from scenarios.bench.peak_adhesion import PeakAdhesion
 
 
 def test_it_is_never_below_the_ideal_and_not_above_the_protection():

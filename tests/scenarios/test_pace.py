@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bogie_braking import pace
 from bogie_braking.__main__ import main
+from bogie_braking.pace import Paced
 from fmu_src.cosimulation.slave import FmuInstance
-from scenarios.measuring import pace
-from scenarios.measuring.pace import Paced
 from tests.conftest import Fmus
 
 

@@ -16,18 +16,18 @@ import pytest
 
 from bogie_braking.__main__ import main
 from bogie_braking.exit_status import DOES_NOT_HOLD
+from bogie_braking.reporting.html_report import pictures, sentence, together, write_report
+from bogie_braking.reporting.motion import Motion, Rails, box, motion_columns
+from bogie_braking.reporting.plots import single
+from bogie_braking.reporting.report import Report, Row, at_most, save
+from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from products.kernel_runs import RIGID, prepare, prepare_on_line
 from rbd_model.track.line import Line, Segment, line_of
 from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.parameters import AS_PRINTED
 from rbd_model.vehicle.ready import two_axle_bogie
-from scenarios.bench.drive import RIGID, prepare, prepare_on_line
 from scenarios.bench.irregularities import DURATION, INTERVAL, LATERAL, SPEEDS
-from scenarios.reporting.html_report import pictures, sentence, together, write_report
-from scenarios.reporting.motion import Motion, Rails, box, motion_columns
-from scenarios.reporting.plots import single
-from scenarios.reporting.report import Report, Row, at_most, save
-from scenarios.scenario import Options, Scenario
 from tests.axe import violations
 from tests.browser import Browser, Page, browser
 

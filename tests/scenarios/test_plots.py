@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from bogie_braking.reporting.plots import MOST_WORDS, message_of, one_word, plt, titled, widen
+from bogie_braking.reporting.report import Report, Row, save, value_of
 from fmu_src.cosimulation.recording import Recording
-from scenarios.reporting.plots import MOST_WORDS, message_of, one_word, plt, titled, widen
-from scenarios.reporting.report import Report, Row, save, value_of
 
 MESSAGE = "The trailing wheelset locks first above 0.7 of the adhesion"
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from evidence.trains.brake_switches import SERVICE, told
+from evidence.trains.point_train import SPEEDS, PointTrain
+from evidence.trains.ramp_stops import RampStop, fitted
 from rbd_model.train.vehicle import GRAVITY
-from scenarios.bench.brake_switches import SERVICE, told
-from scenarios.bench.point_train import SPEEDS, PointTrain
-from scenarios.bench.ramp_stops import RampStop, fitted
 from scenarios.benchmark.own.train_stop import answer
 
 #: Relative error of midpoint steps of 0.25 s against closed forms.

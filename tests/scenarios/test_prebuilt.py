@@ -9,6 +9,7 @@ import pytest
 from packaging.tags import platform_tags
 
 import release
+from bogie_braking.live import page as live
 from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
 from fmu_src import compile as compiling
@@ -17,7 +18,6 @@ from fmu_src.kernel import Kernel, Library
 from products import building, prebuilt
 from products.protection import rig_in_c
 from products.protection.controller_kinds import InC
-from scenarios.live import page as live
 
 PLATFORM = next(tag for tag in platform_tags() if tag in release.WHEELS)
 

@@ -11,9 +11,9 @@ from matplotlib import pyplot as plt
 
 from bogie_braking.__main__ import main
 from bogie_braking.commands import profile
+from bogie_braking.profiles.pair_running import Running
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.pair_file import read_pairs
-from scenarios.bench.pair_running import Running
 from scenarios.thesis import contact_geometry
 
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"

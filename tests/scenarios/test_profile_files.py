@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from bogie_braking.__main__ import main
+from bogie_braking.profiles.profile_files import sides_from_files
+from bogie_braking.reporting.scenario import Options
 from rbd_model.contact.geometry import contact_at, gauge_face
 from rbd_model.contact.profiles import JOINTS_60KG, rail_60kg, rail_head
-from scenarios.bench.profile_files import sides_from_files
-from scenarios.scenario import Options
 from scenarios.thesis import contact_geometry
 
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"

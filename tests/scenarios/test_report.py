@@ -13,12 +13,7 @@ import numpy as np
 import pytest
 
 from bogie_braking.__main__ import main
-from products.protection.criteria import CRITERIA, MEASURES, Criterion, check_scopes, read_criteria
-from products.protection.programme import OWN, Case, read_programme
-from products.protection.runs import Stop
-from products.protection.spread import Draw
-from rbd_model.track.line import Line
-from scenarios.controllers.acceptance import (
+from bogie_braking.controllers.acceptance import (
     ACCEPTED,
     FAILS,
     OPEN,
@@ -29,10 +24,15 @@ from scenarios.controllers.acceptance import (
     CaseResult,
     verdict_of,
 )
-from scenarios.controllers.acceptance import findings as found_in
-from scenarios.controllers.report_stops import on_dry_rail
-from scenarios.controllers.report_text import NO_CLAIM, headline, lines
-from scenarios.controllers.scoring import Scored
+from bogie_braking.controllers.acceptance import findings as found_in
+from bogie_braking.controllers.report_stops import on_dry_rail
+from bogie_braking.controllers.report_text import NO_CLAIM, headline, lines
+from bogie_braking.controllers.scoring import Scored
+from products.protection.criteria import CRITERIA, MEASURES, Criterion, check_scopes, read_criteria
+from products.protection.programme import OWN, Case, read_programme
+from products.protection.runs import Stop
+from products.protection.spread import Draw
+from rbd_model.track.line import Line
 
 #: A stop of 100 m from which each value is changed alone; ideal and dry rail have 100 m and a filling of 0.02 kg.
 STOP = Stop(100.0, 0.01, 20.0, 0.0, 0.0, 1.0, 0.1, (1e3, 1e3), 400e3, 0, "")

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from bogie_braking.__main__ import main
-from scenarios.controllers.report_text import NO_CLAIM
+from bogie_braking.controllers.report_text import NO_CLAIM
 from tests.axe import violations
 from tests.browser import Browser, Page, browser
 

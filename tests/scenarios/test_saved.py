@@ -11,11 +11,11 @@ from typing import Any
 
 import pytest
 
+from bogie_braking.controllers.table import write_document
+from bogie_braking.reporting.plots import single
+from bogie_braking.reporting.report import Report, Row, at_most, exchange, save
+from bogie_braking.reporting.saved import Run, Sweep, read
 from fmu_src.cosimulation.recording import Recording
-from scenarios.controllers.table import write_document
-from scenarios.reporting.plots import single
-from scenarios.reporting.report import Report, Row, at_most, exchange, save
-from scenarios.reporting.saved import Run, Sweep, read
 
 MUTATIONS = 2000
 Summary = dict[str, Any]

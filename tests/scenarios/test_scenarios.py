@@ -18,16 +18,11 @@ import pytest
 from matplotlib.figure import Figure
 
 from bogie_braking.__main__ import main
-from scenarios.bench.asymmetric_shoes import CASES, run_all
-from scenarios.bench.torque_history import read_torque_history
-from scenarios.brakes import anti_skid, etcs_low_adhesion
-from scenarios.catalogue import SCENARIOS
-from scenarios.comparisons import speed_accuracy, train_methods
-from scenarios.comparisons.peers import ensembles
-from scenarios.contact import contact_model, creep_laws, flange_climb
-from scenarios.coupling import coupling_step
-from scenarios.lines import flexible_track
-from scenarios.measuring import (
+from bogie_braking.reporting import report
+from bogie_braking.reporting.report import Row
+from evidence.comparisons import speed_accuracy, train_methods
+from evidence.contact import contact_model, creep_laws
+from evidence.measuring import (
     creep_cost,
     environment_throughput,
     protected_throughput,
@@ -36,15 +31,21 @@ from scenarios.measuring import (
     timing,
     train_pace,
 )
-from scenarios.measuring import scenes as six_scenes
-from scenarios.numerics import oracle, speed, stability_atlas
-from scenarios.reporting import report
-from scenarios.reporting.report import Row
-from scenarios.thesis import qr30, thesis_step
+from evidence.measuring import scenes as six_scenes
+from evidence.numerics import oracle, speed, stability_atlas, thesis_step
+from evidence.peers import ensembles
+from evidence.trains import train_brake_evidence
+from scenarios.bench.asymmetric_shoes import CASES, run_all
+from scenarios.bench.torque_history import read_torque_history
+from scenarios.brakes import anti_skid, etcs_low_adhesion
+from scenarios.catalogue import SCENARIOS
+from scenarios.contact import flange_climb
+from scenarios.coupling import coupling_step
+from scenarios.lines import flexible_track
+from scenarios.thesis import qr30
 from scenarios.thesis.creep_forces import EXACT
 from scenarios.trains import (
     braking_distance,
-    train_brake_evidence,
     train_brake_models,
     train_braking,
     train_descent,

@@ -14,13 +14,13 @@ from typing import Any
 import pytest
 
 from bogie_braking.__main__ import main
+from bogie_braking.reporting.scenario import Options
+from evidence.numerics.levels import one_stop as stop_of_levels
 from products.study.grid import evenly_spaced
 from products.study.points import sources as sources_of_points
 from products.study.table import FILES
 from rbd_model.vehicle.parameters import AS_PRINTED
 from scenarios.catalogue import SCENARIOS
-from scenarios.numerics.levels import one_stop as stop_of_levels
-from scenarios.scenario import Options
 from scenarios.thesis.heavy_braking import CASES, brake, lock_time
 from scenarios.thesis.heavy_braking import one_stop as heavy_stop
 from tests.scenarios import cheap_points as points

@@ -15,11 +15,11 @@ from typing import Any
 
 import pytest
 
+from bogie_braking.reporting.scenario import BadInputError
 from products.study.journal import Journal, checked
 from products.study.lock import LOCK, only_writer
 from products.study.points import Outcome
 from readers.storage import PARTIAL
-from scenarios.scenario import BadInputError
 from tests.scenarios import cheap_points as points
 from tests.scenarios.swept import GRID, JOURNAL, files, rows, start, token, whole
 

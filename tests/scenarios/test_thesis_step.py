@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scenarios.thesis.thesis_step import GRID, RUNS, Run, thesis_reading
+from evidence.numerics.thesis_step import GRID, RUNS, Run, thesis_reading
 
 #: Below the limit: RK4 at 0.4 ms and RODAS5P at its default tolerance of 1e-6 agree to 1e-7 on the largest shift.
 BELOW_BAND = 1e-6

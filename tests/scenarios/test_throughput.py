@@ -7,13 +7,13 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from evidence.comparisons import throughput
+from evidence.measuring import throughput as rates
+from evidence.measuring.runs import Run
+from evidence.peers import ensembles
+from evidence.peers.ensembles import ALONE, BATCH, IN_THREADS, Rate, Study
 from fmu_src.batch import Instances, library_of_batch
 from rbd_model.levels.models import DEFAULT_TOLERANCE
-from scenarios.comparisons import throughput
-from scenarios.comparisons.peers import ensembles
-from scenarios.comparisons.peers.ensembles import ALONE, BATCH, IN_THREADS, Rate, Study
-from scenarios.measuring import throughput as rates
-from scenarios.measuring.runs import Run
 
 
 def found() -> Study:

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from bogie_braking.live.train_page import PAGE, PRESETS, TRAINS, write_train_page
 from products.train.consist import block_train
 from products.train.numbers import Settings
 from products.train.train import Train
-from scenarios.live.train_page import PAGE, PRESETS, TRAINS, write_train_page
 from tests.axe import violations
 from tests.browser import Browser, Page, browser
 

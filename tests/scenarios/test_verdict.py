@@ -11,12 +11,12 @@ import pytest
 from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 
+from bogie_braking.controllers.picture import draw, message
+from bogie_braking.controllers.scoring import CONTACT, WORN, Scored, together
+from bogie_braking.controllers.table import cells, rows_of
+from bogie_braking.controllers.verdict import document, lines, messages, verdicts
+from bogie_braking.reporting.plots import plt
 from products.protection.runs import Stop
-from scenarios.controllers.picture import draw, message
-from scenarios.controllers.scoring import CONTACT, WORN, Scored, together
-from scenarios.controllers.table import cells, rows_of
-from scenarios.controllers.verdict import document, lines, messages, verdicts
-from scenarios.reporting.plots import plt
 
 STOP = Stop(100.0, 0.01, 20.0, 0.5, 1.0, 1.0, 0.1, (1e3, 1e3), 400e3, 7, "")
 #: Distances over the ideal, None for no stop.

@@ -9,6 +9,11 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
+from evidence.chapter3.creep import Ellipse
+from evidence.chapter3.euler import cross, from_angles
+from evidence.chapter3.forces import BodyMotion
+from evidence.chapter3.kinematic_analysis import Frame, Wheelset, centred, drive_to
+from evidence.chapter3.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
 from fmu_src.kernel import DISCARD, Kernel, Library, SimulationError
 from fmu_src.system import System, model_of
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
@@ -16,11 +21,6 @@ from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
 from rbd_model.contact.hertz import moving_ellipse
 from rbd_model.levels.models import levels, wheelset_in_frame
 from rbd_model.levels.spatial import spatial_vehicle
-from rbd_model.thesis.creep import Ellipse
-from rbd_model.thesis.euler import cross, from_angles
-from rbd_model.thesis.forces import BodyMotion
-from rbd_model.thesis.kinematic_analysis import Frame, Wheelset, centred, drive_to
-from rbd_model.thesis.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
 from rbd_model.track.irregularity import derivatives_along, irregular_track, section_5_3
 from rbd_model.vehicle.description import Springs
 from rbd_model.vehicle.parameters import (

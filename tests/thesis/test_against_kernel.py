@@ -9,11 +9,11 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
+from evidence.chapter3 import creep, mechanism
+from evidence.chapter3.kinematic_analysis import rolling
+from evidence.chapter3.mechanism import Mechanism
+from evidence.chapter3.program import run
 from fmu_src.kernel import Kernel
-from rbd_model.thesis import creep, mechanism
-from rbd_model.thesis.kinematic_analysis import rolling
-from rbd_model.thesis.mechanism import Mechanism
-from rbd_model.thesis.program import run
 from thesis.correspondence import (
     WORDS,
     Snapshot,

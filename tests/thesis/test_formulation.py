@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from evidence.chapter3 import constraints, euler, forces
+from evidence.chapter3.creep import Ellipse, flange_force, hertz_ellipse, polach
+from evidence.chapter3.forces import BodyMotion
+from evidence.chapter3.kinematic_analysis import rolling
+from evidence.chapter3.mechanism import Mechanism
+from evidence.chapter3.surfaces import OffTheProfileError, profile_derivatives, rail_surface, wheel_surface
 from rbd_model.contact.creep.kalker import Kalker, kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach as polach_forces
 from rbd_model.contact.geometry import thesis_pair
 from rbd_model.contact.hertz import ellipse_shape
 from rbd_model.contact.profiles import Profile
-from rbd_model.thesis import constraints, euler, forces
-from rbd_model.thesis.creep import Ellipse, flange_force, hertz_ellipse, polach
-from rbd_model.thesis.forces import BodyMotion
-from rbd_model.thesis.kinematic_analysis import rolling
-from rbd_model.thesis.mechanism import Mechanism
-from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives, rail_surface, wheel_surface
 from rbd_model.vehicle.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 
 #: Tolerance by docs/checking.md of derivatives by hand against automatic differentiation.

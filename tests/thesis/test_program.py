@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from evidence.chapter3 import mechanism as mechanisms
+from evidence.chapter3 import program
+from evidence.chapter3.constraints import quadratic_terms
+from evidence.chapter3.euler import norm_error
+from evidence.chapter3.kinematic_analysis import Wheelset, centred, drive_to, frames_at_rest, rolling, rolling_radii
+from evidence.chapter3.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
+from evidence.chapter3.partition import NoSolutionError, choose
+from evidence.chapter3.program import run, spin, step
 from fmu_src.kernel import Kernel, SimulationError
 from rbd_model.contact.geometry import last_tread_contact, rolling_radius_difference, thesis_pair
-from rbd_model.thesis import mechanism as mechanisms
-from rbd_model.thesis import program
-from rbd_model.thesis.constraints import quadratic_terms
-from rbd_model.thesis.euler import norm_error
-from rbd_model.thesis.kinematic_analysis import Wheelset, centred, drive_to, frames_at_rest, rolling, rolling_radii
-from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
-from rbd_model.thesis.partition import NoSolutionError, choose
-from rbd_model.thesis.program import run, spin, step
 from rbd_model.track.irregularity import derivatives_along, section_5_3
 from rbd_model.vehicle.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from thesis.correspondence import fitted_ellipse, machine

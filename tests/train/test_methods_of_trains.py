@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from evidence.peers.train_couplers import braked_train, rates
 from products.train.numbers import SHARE
 from rbd_model.train.coupler import Coupler, coupling, draft_gear, screw_coupler
-from scenarios.comparisons.peers.train_couplers import braked_train, rates
 from tests.train.chains import spring
 
 #: Tolerances: forces of the rate form, relative to the largest; force and distance of the default, as in the scenario.

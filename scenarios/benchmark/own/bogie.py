@@ -10,9 +10,9 @@ import numpy as np
 
 from brake_controller.parameters import qr30
 from products.building import units_of
+from products.kernel_runs import AT_REST, play, prepare
 from rbd_model.levels.models import recommend_level
 from rbd_model.vehicle.parameters import tables_8_1_and_8_2
-from scenarios.bench.drive import AT_REST, play, prepare
 
 #: Time at which the brake is applied, and length of a run [s]; recording interval [s].
 BEGIN, DURATION, INTERVAL = 1.0, 8.0, 0.005

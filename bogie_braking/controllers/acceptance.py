@@ -1,0 +1,127 @@
+"""Acceptance of a controller: each criterion against each case that it is for, and a verdict on all.
+
+A mean over draws passes or fails if its interval lies on one side of the limit. Otherwise it cannot be decided. Locks,
+vents, flats, pressures and commands are those of the worst draw.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from bogie_braking.controllers.estimate import LEVEL, Sample
+from bogie_braking.controllers.scoring import Scored, litres
+from products.protection.criteria import MEANS, Criterion
+from products.protection.programme import Case
+from products.protection.runs import Stop
+
+#: Verdicts on a criterion in a case.
+PASSES, FAILS, UNDECIDED = "passes", "fails", "undecided"
+#: Verdicts on a controller.
+ACCEPTED, REJECTED, OPEN = "accepted", "rejected", "not decided"
+#: Name of the criterion that every stop ends.
+STOPS = "stops"
+#: Reason of a missing value; the criterion STOPS has the rest.
+NO_STOP = "no stop"
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """The stops of a controller in a case.
+
+    score: its `dry` is the distance of the same stop on the dry rail without a controller. dry: that stop.
+    """
+
+    case: Case
+    score: Scored
+    dry: Stop
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Result of a criterion in a case.
+
+    value: in the unit of the criterion, or None. half: half of its interval, or 0 for the worst draw. reason: cause
+    of a missing value, or of a stop that does not count.
+    """
+
+    criterion: str
+    case: str
+    value: float | None
+    half: float
+    verdict: str
+    reason: str = ""
+
+
+def findings(tested: Sequence[CaseResult], criteria: Sequence[Criterion], looks: int) -> list[Finding]:
+    """Return a finding for each criterion and case that it is for, criterion by criterion, first that every stop ends.
+
+    All intervals hold together with LEVEL: Bonferroni, over them and over `looks` numbers of draws.
+    """
+    pairs = [(one, of) for one in criteria for of in tested if one.holds_for(of.case)]
+    means = sum(one.measure in MEANS for one, _ in pairs)
+    level = 1.0 - (1.0 - LEVEL) / (max(means, 1) * max(looks, 1))
+    return [*(ended(one) for one in tested), *(finding(one, of, level) for one, of in pairs)]
+
+
+def ended(one: CaseResult) -> Finding:
+    """Return whether every stop of a case ended at rest, and no draw made the controller fail."""
+    stop, count = one.score.stop, float(sum(of.distance is not None for of in one.score.each))
+    verdict = UNDECIDED if not stop.judged else PASSES if stop.distance is not None else FAILS
+    return Finding(STOPS, one.case.name, count, 0.0, verdict, stop.message.replace(". (draw", " (draw"))
+
+
+def finding(criterion: Criterion, one: CaseResult, level: float) -> Finding:
+    """Return a criterion in a case; level: probability of the interval of a mean."""
+    stop, name = one.score.stop, one.case.name
+    if stop.distance is None:
+        return Finding(criterion.name, name, None, 0.0, UNDECIDED, NO_STOP)
+    if criterion.measure not in MEANS:
+        value = extreme(criterion.measure, one)
+        return Finding(criterion.name, name, value, 0.0, PASSES if criterion.passes(value) else FAILS)
+    sample = mean(criterion.measure, one)
+    if sample is None:
+        return Finding(criterion.name, name, None, 0.0, UNDECIDED, "no distance to compare with")
+    found = sample.estimate(level)
+    half = found.half if math.isfinite(found.half) else 0.0  # one draw: its value decides
+    sides = {criterion.passes(found.mean + sign * half) for sign in (-1.0, 1.0)}
+    verdict = UNDECIDED if len(sides) > 1 else PASSES if sides.pop() else FAILS
+    return Finding(criterion.name, name, found.mean, half, verdict)
+
+
+def mean(measure: str, one: CaseResult) -> Sample | None:
+    """Return a measure of each draw, in its unit; None without a distance to compare with."""
+    score, each = one.score, one.score.each
+    if measure == "over_ideal":
+        return score.ratios
+    if measure == "over_dry":
+        return None if score.distances is None or not score.dry else score.distances.over(score.dry)
+    values = {
+        "in_band": lambda stop: stop.share_in_band,
+        "air": litres,
+        "fillings": lambda stop: stop.air / one.dry.air,
+        "sliding": lambda stop: max(stop.sliding) / 2e3,
+    }[measure]
+    return score.sample([values(stop) for stop in each])
+
+
+def extreme(measure: str, one: CaseResult) -> float:
+    """Return a measure of the worst draw, in its unit."""
+    score = one.score
+    if measure == "commands":
+        return float(max(stop.commands for stop in score.each))
+    of: Mapping[str, float] = {
+        "longest_lock": score.stop.longest_lock,
+        "longest_vent": score.stop.longest_vent,
+        "flat": 1e3 * score.flat,
+        "jerk": score.stop.jerk,
+        "reservoir": (score.stop.lowest_reservoir or 0.0) / 1e3,
+    }
+    return of[measure]
+
+
+def verdict_of(found: Sequence[Finding]) -> str:
+    """Return the verdict on a controller: a failure rejects it, otherwise an open finding keeps it from acceptance."""
+    verdicts = {one.verdict for one in found}
+    return REJECTED if FAILS in verdicts else OPEN if UNDECIDED in verdicts else ACCEPTED

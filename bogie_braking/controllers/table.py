@@ -1,0 +1,164 @@
+"""Scores as a table and as a document for programs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+
+from bogie_braking.controllers.estimate import LEVEL, Estimate, less
+from bogie_braking.controllers.scoring import LOOKS, Plan, Scored
+from bogie_braking.controllers.words import words_of
+from products.protection.rails import LOCK_ABOVE
+from products.protection.rig import START_SPEED
+from products.protection.settings import Settings
+from readers.documents import document_text, finite
+from readers.storage import write_whole
+
+HEADS = (
+    *("case", "controller", "distance", "95 %", "longer by", "over ideal", "over dry", "longest lock", "in the band"),
+    *("sliding", "flat", "air", "reservoir"),
+)
+UNITS = ("", "", "m", "m", "%", "1", "1", "s", "1", "kJ", "mm", "l", "kPa")
+
+
+def lines(vehicle: str, settings: Settings, scores: Sequence[Scored], draws: str = "") -> Iterator[str]:
+    """Yield the lines of the table, and the messages; draws: as `drawn` returns it."""
+    yield about(vehicle, settings, scores)
+    yield from [draws] if draws else []
+    yield ""
+    rows = [HEADS, UNITS, *rows_of(scores)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
+    for number, row in enumerate(rows):
+        if number > 1 and row[0] != rows[number - 1][0]:
+            yield "-" * (sum(widths) + 2 * (len(widths) - 1))
+        texts = [
+            text.ljust(width) if column < 2 else text.rjust(width)
+            for column, (text, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        yield "  ".join(texts).rstrip()
+    for text in messages(scores):
+        yield ""
+        yield text
+
+
+def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
+    """Return the common conditions of all stops, or starts."""
+    sensors = f"{settings.pulses} pulses a revolution, every {1e3 * settings.period:g} ms"
+    what = "traction" if scores[0].driven else "brake"
+    torque = f"full {what}" if settings.brake_ratio == 1.0 else f"{settings.brake_ratio:g} of the full {what}"
+    if scores[0].driven:
+        way, lock = f"from {START_SPEED:g} to {settings.speed:g} m/s", "lock: wheels turn at more than twice the speed"
+    else:
+        way, lock = f"from {settings.speed:g} m/s", f"lock counted above {LOCK_ABOVE:g} m/s"
+    return f"{vehicle}: {torque} {way} unless the case says otherwise, {sensors}; {lock}"
+
+
+def drawn(scores: Sequence[Scored], plan: Plan, few: str = "") -> str:
+    """Return the number of draws of each case, and their spreads.
+
+    few: the controller because of which the number is limited to FEW.
+    """
+    counts, spread = [len(one.stops) for one in scores], plan.spread
+    count, least = max(counts), min(counts)
+    varied = (
+        f"friction ±{100 * spread.friction:g} %, load ±{100 * spread.load:g} %, teeth {spread.jitter:g} of the pitch"
+    )
+    limit = f", the limit{f' because {few} is written in Python' if few else ''}" if count == plan.most else ""
+    draws = (
+        f"{count if count == least else f'{least} to {count}'} draws a case{limit}"
+        if count > 1
+        else "1 draw a case, too few for an interval"
+    )
+    return f"{draws}: phases of the sensors, {varied} (all assumed); seed {plan.seed}"
+
+
+def shortest(scores: Sequence[Scored]) -> dict[str, Scored]:
+    """Return the score with the shortest mean distance in each case."""
+    found: dict[str, Scored] = {}
+    for one in scores:
+        least = found.get(one.case)
+        if one.distance and (least is None or not least.distance or one.distance.mean < least.distance.mean):
+            found[one.case] = one
+    return found
+
+
+def rows_of(scores: Sequence[Scored]) -> list[tuple[str, ...]]:
+    """Return the rows of the table, each with its difference to the shortest distance in its case."""
+    least = shortest(scores)
+    pairs = len({one.case for one in scores}) * math.comb(len({one.controller for one in scores}), 2)
+    level = 1.0 - (1.0 - LEVEL) / (max(pairs, 1) * len(LOOKS))  # Bonferroni, as in `level_of`
+    return [cells(one, least.get(one.case), level) for one in scores]
+
+
+def longer_by(one: Scored, least: Scored | None, level: float) -> str:
+    """Return the paired difference to the shortest distance [%], or that both cannot be told apart."""
+    if least is None or one.distances is None or least.distances is None or least.distance is None:
+        return "-"
+    if one is least:
+        return "shortest"
+    found = less(one.distances, least.distances).estimate(level).over(least.distance.mean)
+    if found.mean == 0.0 and (found.count == 1 or found.half == 0.0):
+        return "equal"
+    if not found.differs and found.count > 1:
+        return "not apart"
+    return f"{100 * found.mean:.1f}"
+
+
+def messages(scores: Sequence[Scored]) -> list[str]:
+    """Return the messages of the stops that have one."""
+    return [f"{one.controller}, {one.case}: {one.stop.message}" for one in scores if one.stop.message]
+
+
+def cells(one: Scored, least: Scored | None = None, level: float = LEVEL) -> tuple[str, ...]:
+    """Return a row of the table; of a stop without a verdict only that.
+
+    least: the score with the shortest distance in the case; level: probability of the interval of the difference.
+    """
+
+    def number(value: float | None, form: str) -> str:
+        return "-" if value is None else format(value, form)
+
+    stop = one.stop
+    if not stop.judged:
+        return one.case, one.controller, "not judged", *["-"] * (len(HEADS) - 3)
+    known = one.distance
+    distance = words_of(one.driven).none if known is None else f"{known.mean:.1f}"
+    width = "-" if known is None else half(known, 1.0, ".1f")
+    ratios = number(one.over(one.ideal), ".3f"), number(one.over(one.dry), ".3f")
+    band = "-" if stop.distance is None else f"{stop.share_in_band:.2f}"
+    rest = f"{stop.longest_lock:.2f}", band, f"{one.tread_energy / 1e3:.0f}"
+    air = f"{1e3 * one.flat:.0f}", f"{one.air:.0f}", f"{(stop.lowest_reservoir or 0.0) / 1e3:.0f}"
+    return one.case, one.controller, distance, width, longer_by(one, least, level), *ratios, *rest, *air
+
+
+def half(one: Estimate, unit: float, form: str) -> str:
+    """Return half of the interval in a unit, as ±0.3; - with one draw."""
+    return f"±{format(one.half / unit, form)}" if math.isfinite(one.half) else "-"
+
+
+def document(vehicle: str, settings: Settings, scores: Sequence[Scored], plan: Plan | None = None) -> dict[str, object]:
+    """Return the results for programs; SI units, air in litres."""
+    draws = {"plan": asdict(plan)} if plan else {}
+    return {"vehicle": vehicle, "settings": asdict(settings), **draws, "runs": runs_document(scores)}
+
+
+def runs_document(scores: Sequence[Scored]) -> list[dict[str, object]]:
+    """Return the stops for programs; SI units, air in litres."""
+    return [
+        {"case": one.case, "controller": one.controller, **asdict(replace(one.stop, history=None))}
+        | {"distance": one.distance and one.distance.mean, "estimate": one.distance and asdict(one.distance)}
+        | {"distances": [of.distance for of in one.each]}
+        | {"over_ideal": one.over(one.ideal), "over_dry": one.over(one.dry), "ideal": one.ideal, "litres": one.air}
+        | {"tread_energy": one.tread_energy, "flat": one.flat}
+        for one in scores
+    ]
+
+
+def write_document(path: Path, about: Mapping[str, object]) -> str:
+    """Write a document for programs as a whole, null for numbers that are not finite; return its text."""
+    text = document_text(finite(about))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, text.encode())
+    return text

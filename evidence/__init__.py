@@ -1,0 +1,1 @@
+"""Evidence that the models are right: oracles, other methods and programs, measurements. No wheel contains it."""

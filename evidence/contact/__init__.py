@@ -1,0 +1,1 @@
+"""Contact models and creep laws: accuracy, cost and agreement."""

@@ -1,0 +1,260 @@
+"""Error against throughput: stops a second of one instance, of batches, and of SciPy and CVODE on all processors."""
+
+import os
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bogie_braking.reporting.progress import counting
+from evidence.measuring.runs import Run, layout_of
+from evidence.measuring.scenes import SMOOTH, Samples, Scene, both
+from evidence.peers import sundials
+from evidence.peers.scipy_methods import scipy
+from evidence.peers.work_precision import refer
+from fmu_src.batch import library_of_batch, run_batch
+from fmu_src.kernel import SimulationError
+from products.kernel_runs import library
+from products.registry import model_of
+from products.study.points import process_pool
+
+#: Parameters that choose a level, and the system that a batch of it runs.
+LEVELS: dict[str, tuple[dict[str, float], str]] = {
+    "planar": ({"level": 2, "contact_model": 1}, "planar"),
+    "spatial": ({"level": 3, "contact_model": 2}, "spatial_patches"),
+}
+#: Simulated time of a stop [s], and least and largest torque capacity on both wheelsets [N.m]. The first comes to rest
+#: shortly after. At rest third-party methods may switch between sliding and sticking, as ours do, without end.
+DURATION, TORQUES = SMOOTH.duration, (16e3, 20e3)
+#: Number of stops whose errors are evaluated, at evenly spaced torques; stops of a batch by level.
+JUDGED, IN_A_BATCH = 4, {"planar": 2000, "spatial": 200}
+#: Rounds of one instance and of batches, of which the fastest counts.
+ROUNDS = 2
+#: Stops of CVODE for each thread, of SciPy for each process, and time limit of one stop [s].
+OF_A_THREAD, OF_A_PROCESS, BUDGET = 8, 4, 10.0
+TOLERANCES, FIXED_STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), (1e-2, 5e-3, 2e-3)
+COARSE = (1e-3, 1e-5, 1e-7)
+ALONE, BATCH, FIXED = "one instance", "batch", "fixed step"
+IN_THREADS, IN_PROCESSES = "CVODE, threads", {f"{name} (SciPy), processes": name for name in ("Radau", "BDF", "LSODA")}
+PEERS = (IN_THREADS, *IN_PROCESSES)
+
+
+@dataclass(frozen=True)
+class Rate:
+    """A method at a setting (tolerance, or step [s]): largest relative error of the distances (None: a stop failed),
+    stops a second, and the reason of a failure.
+    """
+
+    level: str
+    way: str
+    setting: float
+    error: float | None
+    stops: float
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Study:
+    """All rates; by level the relative difference of two references, and the difference of batches from single runs
+    [m].
+    """
+
+    rates: list[Rate]
+    uncertainty: dict[str, float]
+    apart: dict[str, float]
+
+    def of(self, level: str, way: str) -> list[Rate]:
+        """Return the rates of a method, the loosest setting first."""
+        found = (one for one in self.rates if (one.level, one.way) == (level, way))
+        return sorted(found, key=lambda one: -one.setting)
+
+    def fastest(self, level: str, ways: Sequence[str], error: float) -> Rate | None:
+        """Return the rate with the most stops a second at no more than this error."""
+        every = (one for way in ways for one in self.of(level, way))
+        return max((one for one in every if one.error is not None and one.error <= error), key=_stops, default=None)
+
+
+def _stops(one: Rate) -> float:
+    return one.stops
+
+
+def distance(samples: Samples) -> dict[str, float]:
+    """Return the evaluated quantity: the distance of the stop [m]."""
+    return {"distance": float(samples["frame_distance"][-1])}
+
+
+def stop(level: str, torque: float) -> Scene:
+    """Return a stop from 25 m/s, with a sample at its end only."""
+    return replace(
+        SMOOTH,
+        name=f"stop, {level}, {torque:g} N.m",
+        duration=DURATION,
+        interval=DURATION,
+        read=("frame_distance",),
+        measure=distance,
+        values=LEVELS[level][0],
+        inputs=both([(0.0, torque)]),
+    )
+
+
+def judged() -> np.ndarray:
+    """Return the torques of the stops whose errors are evaluated [N.m]."""
+    return np.linspace(*TORQUES, JUDGED)
+
+
+Distances = Callable[[], np.ndarray]
+
+
+def alone(level: str, **values: float) -> Distances:
+    """Run stops in sequence, by the kernel in one thread."""
+
+    def run() -> np.ndarray:
+        found = []
+        for torque in judged():
+            kernel = stop(level, torque).kernel(**values)
+            found.append(kernel.record(DURATION, DURATION, ["state_frame_distance"])["state_frame_distance"][-1])
+        return np.array(found)
+
+    return run
+
+
+def together(level: str, **values: float) -> tuple[Distances, np.ndarray]:
+    """Run stops in a batch on all processors; return also the indices of the evaluated ones."""
+    chosen, system = LEVELS[level]
+    count = max(IN_A_BATCH[level], JUDGED)
+    torques = np.linspace(*TORQUES, count)
+    places = np.round(np.linspace(0, count - 1, JUDGED)).astype(int)
+    torques[places] = judged()
+    given: dict[str, ArrayLike] = {"initial_speed": 25.0, "brake_torque_1": torques, "brake_torque_2": torques}
+    in_lanes = library_of_batch(model_of("bogie"), system)
+
+    def run() -> np.ndarray:
+        ends = run_batch(
+            in_lanes, {**SMOOTH.parameters, **chosen, **given, **values}, DURATION, ["state_frame_distance"]
+        )
+        for sentence in ends.failures.values():
+            raise SimulationError(sentence, 3)
+        return ends.outputs["state_frame_distance"]
+
+    return run, places
+
+
+def fastest_of(run: Distances) -> tuple[float, np.ndarray]:
+    """Return stops a second, and their distances [m]."""
+    best = np.inf
+    for _ in range(ROUNDS):
+        begin = clock.perf_counter()
+        found = run()
+        best = min(best, clock.perf_counter() - begin)
+    return found.size / best, found
+
+
+def of_scipy(level: str, method: str, tolerance: float, torque: float) -> Run:
+    """Run one stop in a process."""
+    return scipy(stop(level, torque), method, tolerance, BUDGET)
+
+
+def of_cvode(level: str, tolerance: float, torque: float) -> Run:
+    """Run one stop in a thread; the library releases Python's lock."""
+    return sundials.sundials(stop(level, torque), "CVODE", tolerance, BUDGET)
+
+
+def warm_up(_: int) -> None:
+    """Load and compile everything that a process needs before its first stop."""
+    for level in LEVELS:
+        library("bogie", **LEVELS[level][0])
+        layout_of(stop(level, TORQUES[0]))
+
+
+# ---- the study -------------------------------------------------------------------------------------------------------
+
+
+def settings() -> Iterator[tuple[str, float, dict[str, float]]]:
+    """Yield our settings: suffix of the method's name, the setting, and the values of the kernel."""
+    yield from (("", value, {"tolerance": value}) for value in TOLERANCES)
+    for step in FIXED_STEPS:
+        yield f", {FIXED}", step, {"integration_method": 2, "integration_step": step}
+
+
+def error_of(found: np.ndarray, exact: np.ndarray) -> float:
+    """Return the largest relative error of the evaluated distances [m]."""
+    return float(np.abs(found / exact - 1.0).max())
+
+
+def ours(level: str, exact: np.ndarray) -> Iterator[tuple[Rate, float]]:
+    """Yield one instance and a batch at each setting, and the difference of the two [m]."""
+    for words, setting, values in settings():
+        run, places = together(level, **values)
+        try:
+            stops, single = fastest_of(alone(level, **values))
+            in_batch, every = fastest_of(run)
+        except SimulationError as error:  # the steps are too long
+            yield Rate(level, ALONE + words, setting, None, 0.0, str(error)), 0.0
+            yield Rate(level, BATCH + words, setting, None, 0.0, str(error)), 0.0
+            continue
+        yield Rate(level, ALONE + words, setting, error_of(single, exact), stops), 0.0
+        apart = float(np.abs(every[places] - single).max())
+        yield Rate(level, BATCH + words, setting, error_of(every[places], exact), in_batch), apart
+
+
+def others(level: str, exact: np.ndarray, pool: Executor, threads: Executor, workers: int) -> Iterator[Rate]:
+    """Yield the rates of third-party methods, one stop a worker at a time."""
+    for setting in TOLERANCES if sundials.is_installed() else ():
+        work = partial(of_cvode, level, setting)
+        yield rate_of(level, IN_THREADS, setting, exact, threads, work, OF_A_THREAD * workers)
+    for way, method in IN_PROCESSES.items():
+        for setting in COARSE:
+            work = partial(of_scipy, level, method, setting)
+            yield rate_of(level, way, setting, exact, pool, work, OF_A_PROCESS * workers)
+
+
+def rate_of(
+    level: str, way: str, setting: float, exact: np.ndarray, pool: Executor, work: Callable[[float], Run], count: int
+) -> Rate:
+    """Run the evaluated stops repeatedly, `count` at least, by a pool of workers."""
+    torques = np.tile(judged(), -(-count // JUDGED))
+    begin = clock.perf_counter()
+    runs = list(pool.map(work, torques.tolist()))
+    stops = len(runs) / (clock.perf_counter() - begin)
+    for run in runs:
+        if run.failure:
+            return Rate(level, way, setting, None, stops, run.failure)
+    found = np.array([distance(run.samples)["distance"] for run in runs[:JUDGED]])
+    return Rate(level, way, setting, error_of(found, exact), stops)
+
+
+def references(level: str) -> tuple[np.ndarray, float]:
+    """Return distances [m] by a third-party method at a tolerance 100 times tighter, and the largest error of our
+    method at its tightest.
+    """
+    found = [refer(stop(level, torque)) for torque in judged()]
+    return np.array([measures["distance"] for measures, _, _ in found]), max(off for _, off, _ in found)
+
+
+def study() -> Study:
+    """Return all rates, with a progress bar."""
+    workers = os.cpu_count() or 1
+    found = Study([], {}, {})
+    per_level = 2 * len(list(settings())) + len(IN_PROCESSES) * len(COARSE)
+    per_level += len(TOLERANCES) if sundials.is_installed() else 0
+    warm_up(0)
+    with ExitStack() as held:
+        bar = held.enter_context(counting(total=len(LEVELS) * per_level, text="ensembles", unit="rate"))
+        pool = held.enter_context(process_pool(workers))
+        threads = held.enter_context(ThreadPoolExecutor(workers))
+        list(pool.map(warm_up, range(workers)))
+        for level in LEVELS:
+            exact, found.uncertainty[level] = references(level)
+            for rate, apart in ours(level, exact):
+                found.rates.append(rate)
+                found.apart[level] = max(found.apart.get(level, 0.0), apart)
+                bar.update()
+            for rate in others(level, exact, pool, threads, workers):
+                found.rates.append(rate)
+                bar.update()
+    return found

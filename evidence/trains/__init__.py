@@ -1,0 +1,1 @@
+"""Trains: brake switches against measured stops, by points without couplers."""
