@@ -121,5 +121,11 @@ RUNTIME_LOCAL kernel_status face_complete_step(component *self, bool *crossed);
     MASK_TRAPS;                                                                                                                \
     component *self = (component *)instance;                                                                                   \
     if (!face_legal(self, phases, function)) return (STATUS)KERNEL_ERROR
+/* A function of the standard that returns what a function of this header returns; its first parameter is `instance`. */
+#define FACE_FUNCTION(name, phases, parameters, returned)                                                                      \
+    STATUS name parameters {                                                                                                   \
+        REQUIRE(instance, phases, #name);                                                                                      \
+        return (STATUS)(returned);                                                                                             \
+    }
 
 #endif

@@ -20,11 +20,9 @@ static const face_standard FMI3 = {"FMI 3.0, section 4.2.1", 0, false, resources
 
 const char *fmi3GetVersion(void) { return fmi3Version; }
 
-fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
-                               const fmi3String categories[]) {
-    REQUIRE(instance, ALWAYS, "fmi3SetDebugLogging");
-    return (fmi3Status)face_log(self, loggingOn, nCategories, categories);
-}
+FACE_FUNCTION(fmi3SetDebugLogging, ALWAYS,
+              (fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[]),
+              face_log(self, loggingOn, nCategories, categories))
 
 /* Return the log settings of an instance at its instantiation. */
 static component log_of(fmi3InstanceEnvironment environment, fmi3LogMessageCallback logMessage) {
@@ -84,20 +82,9 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
     return (fmi3Status)status;
 }
 
-fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
-    REQUIRE(instance, INITIALISING, "fmi3ExitInitializationMode");
-    return (fmi3Status)face_initialise(self);
-}
-
-fmi3Status fmi3Terminate(fmi3Instance instance) {
-    REQUIRE(instance, RUNNING | STOPPED, "fmi3Terminate");
-    return (fmi3Status)face_enter(self, TERMINATED);
-}
-
-fmi3Status fmi3Reset(fmi3Instance instance) {
-    REQUIRE(instance, ALWAYS, "fmi3Reset");
-    return (fmi3Status)face_reset(self);
-}
+FACE_FUNCTION(fmi3ExitInitializationMode, INITIALISING, (fmi3Instance instance), face_initialise(self))
+FACE_FUNCTION(fmi3Terminate, RUNNING | STOPPED, (fmi3Instance instance), face_enter(self, TERMINATED))
+FACE_FUNCTION(fmi3Reset, ALWAYS, (fmi3Instance instance), face_reset(self))
 
 /* ---- variables ---- */
 
@@ -107,35 +94,34 @@ static void put_truth(void *values, size_t place, double number) { ((fmi3Boolean
 static double take_truth(const void *values, size_t place) { return ((const fmi3Boolean *)values)[place]; }
 
 #define DEFINE_VARIABLES(name, type, kind, put, take)                                                                          \
-    fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,       \
-                             type values[], size_t nValues) {                                                                  \
-        REQUIRE(instance, ALWAYS, "fmi3Get" #name);                                                                            \
-        return (fmi3Status)face_get(self, kind, valueReferences, nValueReferences, values, nValues, put);                      \
-    }                                                                                                                          \
-    fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,       \
-                             const type values[], size_t nValues) {                                                            \
-        REQUIRE(instance, SETTABLE, "fmi3Set" #name);                                                                          \
-        return (fmi3Status)face_set(self, kind, valueReferences, nValueReferences, values, nValues, take);                     \
-    }
+    FACE_FUNCTION(                                                                                                             \
+        fmi3Get##name, ALWAYS,                                                                                                 \
+        (fmi3Instance instance, const fmi3ValueReference references[], size_t nReferences, type values[], size_t nValues),     \
+        face_get(self, kind, references, nReferences, values, nValues, put))                                                   \
+    FACE_FUNCTION(fmi3Set##name, SETTABLE,                                                                                     \
+                  (fmi3Instance instance, const fmi3ValueReference references[], size_t nReferences, const type values[],      \
+                   size_t nValues),                                                                                            \
+                  face_set(self, kind, references, nReferences, values, nValues, take))
 
 DEFINE_VARIABLES(Float64, fmi3Float64, KIND_REAL, NULL, NULL)
 DEFINE_VARIABLES(Int32, fmi3Int32, KIND_INTEGER, put_int, take_int)
 DEFINE_VARIABLES(Boolean, fmi3Boolean, KIND_BOOLEAN, put_truth, take_truth)
 
+#if defined(__GNUC__)
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#endif
+
 /* Functions of a type without variables: reading or setting zero variables is allowed. */
+#define NONE_OF(name) nReferences ? face_error(self, "There are no variables of type " name ".") : KERNEL_OK
 #define DEFINE_NONE(name, type)                                                                                                \
-    fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,       \
-                             type values[], size_t nValues) {                                                                  \
-        REQUIRE(instance, ALWAYS, "fmi3Get" #name);                                                                            \
-        (void)valueReferences, (void)values, (void)nValues;                                                                    \
-        return nValueReferences ? (fmi3Status)face_error(self, "There are no variables of type " #name ".") : fmi3OK;          \
-    }                                                                                                                          \
-    fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,       \
-                             const type values[], size_t nValues) {                                                            \
-        REQUIRE(instance, ALWAYS, "fmi3Set" #name);                                                                            \
-        (void)valueReferences, (void)values, (void)nValues;                                                                    \
-        return nValueReferences ? (fmi3Status)face_error(self, "There are no variables of type " #name ".") : fmi3OK;          \
-    }
+    FACE_FUNCTION(                                                                                                             \
+        fmi3Get##name, ALWAYS,                                                                                                 \
+        (fmi3Instance instance, const fmi3ValueReference references[], size_t nReferences, type values[], size_t nValues),     \
+        NONE_OF(#name))                                                                                                        \
+    FACE_FUNCTION(fmi3Set##name, ALWAYS,                                                                                       \
+                  (fmi3Instance instance, const fmi3ValueReference references[], size_t nReferences, const type values[],      \
+                   size_t nValues),                                                                                            \
+                  NONE_OF(#name))
 
 DEFINE_NONE(Float32, fmi3Float32)
 DEFINE_NONE(Int8, fmi3Int8)
@@ -146,67 +132,40 @@ DEFINE_NONE(UInt32, fmi3UInt32)
 DEFINE_NONE(Int64, fmi3Int64)
 DEFINE_NONE(UInt64, fmi3UInt64)
 
-fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         fmi3String values[], size_t nValues) {
-    REQUIRE(instance, ALWAYS, "fmi3GetString");
-    return (fmi3Status)face_get_texts(self, valueReferences, nValueReferences, values, nValues);
-}
-
-fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         const fmi3String values[], size_t nValues) {
-    REQUIRE(instance, SETTABLE, "fmi3SetString");
-    return (fmi3Status)face_set_texts(self, valueReferences, nValueReferences, values, nValues);
-}
+FACE_FUNCTION(fmi3GetString, ALWAYS,
+              (fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences, fmi3String values[],
+               size_t nValues),
+              face_get_texts(self, valueReferences, nValueReferences, values, nValues))
+FACE_FUNCTION(fmi3SetString, SETTABLE,
+              (fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+               const fmi3String values[], size_t nValues),
+              face_set_texts(self, valueReferences, nValueReferences, values, nValues))
 
 /* ---- saved states ---- */
 
-fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
-    REQUIRE(instance, ALWAYS, "fmi3GetFMUState");
-    return (fmi3Status)face_save(self, FMUState);
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
-    REQUIRE(instance, ALWAYS, "fmi3SetFMUState");
-    return (fmi3Status)face_restore(self, FMUState);
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
-    REQUIRE(instance, ALWAYS, "fmi3FreeFMUState");
-    return (fmi3Status)face_release(FMUState);
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
-    REQUIRE(instance, ALWAYS, "fmi3SerializedFMUStateSize");
-    return (fmi3Status)face_saved_size(self, FMUState, size);
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size) {
-    REQUIRE(instance, ALWAYS, "fmi3SerializeFMUState");
-    return (fmi3Status)face_serialise(self, FMUState, serializedState, size);
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size,
-                                   fmi3FMUState *FMUState) {
-    REQUIRE(instance, ALWAYS, "fmi3DeserializeFMUState");
-    return (fmi3Status)face_deserialise(self, serializedState, size, FMUState);
-}
+FACE_FUNCTION(fmi3GetFMUState, ALWAYS, (fmi3Instance instance, fmi3FMUState *FMUState), face_save(self, FMUState))
+FACE_FUNCTION(fmi3SetFMUState, ALWAYS, (fmi3Instance instance, fmi3FMUState FMUState), face_restore(self, FMUState))
+FACE_FUNCTION(fmi3FreeFMUState, ALWAYS, (fmi3Instance instance, fmi3FMUState *FMUState), face_release(FMUState))
+FACE_FUNCTION(fmi3SerializedFMUStateSize, ALWAYS, (fmi3Instance instance, fmi3FMUState FMUState, size_t *size),
+              face_saved_size(self, FMUState, size))
+FACE_FUNCTION(fmi3SerializeFMUState, ALWAYS,
+              (fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size),
+              face_serialise(self, FMUState, serializedState, size))
+FACE_FUNCTION(fmi3DeserializeFMUState, ALWAYS,
+              (fmi3Instance instance, const fmi3Byte serializedState[], size_t size, fmi3FMUState *FMUState),
+              face_deserialise(self, serializedState, size, FMUState))
 
 /* ---- derivatives and steps ---- */
 
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
-                                        const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
-                                        size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
-    REQUIRE(instance, KNOWN, "fmi3GetDirectionalDerivative");
-    return (fmi3Status)face_get_directional(self, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed, sensitivity, nSensitivity,
-                                            "fmi3GetDirectionalDerivative");
-}
-
-fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                                    const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues) {
-    REQUIRE(instance, STEPPING | STOPPED | TERMINATED, "fmi3GetOutputDerivatives");
-    return (fmi3Status)face_get_rates(self, valueReferences, nValueReferences, orders, values, nValues,
-                                      "fmi3GetOutputDerivatives");
-}
+FACE_FUNCTION(fmi3GetDirectionalDerivative, KNOWN,
+              (fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns, const fmi3ValueReference knowns[],
+               size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity),
+              face_get_directional(self, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed, sensitivity, nSensitivity,
+                                   "fmi3GetDirectionalDerivative"))
+FACE_FUNCTION(fmi3GetOutputDerivatives, STEPPING | STOPPED | TERMINATED,
+              (fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+               const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues),
+              face_get_rates(self, valueReferences, nValueReferences, orders, values, nValues, "fmi3GetOutputDerivatives"))
 
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
                       fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
@@ -287,50 +246,29 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetF
     return (fmi3Status)status;
 }
 
-fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
-    REQUIRE(instance, INTEGRATING, "fmi3SetTime");
-    return (fmi3Status)face_set_time(self, time);
-}
+FACE_FUNCTION(fmi3SetTime, INTEGRATING, (fmi3Instance instance, fmi3Float64 time), face_set_time(self, time))
+FACE_FUNCTION(fmi3SetContinuousStates, CONTINUOUS,
+              (fmi3Instance instance, const fmi3Float64 continuousStates[], size_t nContinuousStates),
+              face_set_states(self, continuousStates, nContinuousStates))
 
-fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[], size_t nContinuousStates) {
-    REQUIRE(instance, CONTINUOUS, "fmi3SetContinuousStates");
-    return (fmi3Status)face_set_states(self, continuousStates, nContinuousStates);
-}
-
-#define DEFINE_READ(function, what)                                                                                            \
-    fmi3Status function(fmi3Instance instance, fmi3Float64 values[], size_t nValues) {                                         \
-        REQUIRE(instance, KNOWN, #function);                                                                                   \
-        return (fmi3Status)face_read(self, values, nValues, what);                                                             \
-    }
-
-DEFINE_READ(fmi3GetContinuousStateDerivatives, READ_SLOPES)
-DEFINE_READ(fmi3GetContinuousStates, READ_STATES)
-DEFINE_READ(fmi3GetEventIndicators, READ_INDICATORS)
-
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[], size_t nContinuousStates) {
-    REQUIRE(instance, ALWAYS, "fmi3GetNominalsOfContinuousStates");
-    return (fmi3Status)face_nominals(self, nominals, nContinuousStates);
-}
-
-fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *number) {
-    REQUIRE(instance, ALWAYS, "fmi3GetNumberOfContinuousStates");
-    return (fmi3Status)face_count(self, READ_STATES, number);
-}
-
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *number) {
-    REQUIRE(instance, ALWAYS, "fmi3GetNumberOfEventIndicators");
-    return (fmi3Status)face_count(self, READ_INDICATORS, number);
-}
+FACE_FUNCTION(fmi3GetContinuousStateDerivatives, KNOWN, (fmi3Instance instance, fmi3Float64 values[], size_t nValues),
+              face_read(self, values, nValues, READ_SLOPES))
+FACE_FUNCTION(fmi3GetContinuousStates, KNOWN, (fmi3Instance instance, fmi3Float64 values[], size_t nValues),
+              face_read(self, values, nValues, READ_STATES))
+FACE_FUNCTION(fmi3GetEventIndicators, KNOWN, (fmi3Instance instance, fmi3Float64 values[], size_t nValues),
+              face_read(self, values, nValues, READ_INDICATORS))
+FACE_FUNCTION(fmi3GetNominalsOfContinuousStates, ALWAYS,
+              (fmi3Instance instance, fmi3Float64 nominals[], size_t nContinuousStates),
+              face_nominals(self, nominals, nContinuousStates))
+FACE_FUNCTION(fmi3GetNumberOfContinuousStates, ALWAYS, (fmi3Instance instance, size_t *number),
+              face_count(self, READ_STATES, number))
+FACE_FUNCTION(fmi3GetNumberOfEventIndicators, ALWAYS, (fmi3Instance instance, size_t *number),
+              face_count(self, READ_INDICATORS, number))
 
 /* ---- functions that no FMU here has ---- */
 
 #define DEFINE_ABSENT(function, ...)                                                                                           \
     fmi3Status function(fmi3Instance instance, __VA_ARGS__) {                                                                  \
-        REQUIRE(instance, ALWAYS, #function);                                                                                  \
-        return (fmi3Status)face_absent(self, #function);                                                                       \
-    }
-#define DEFINE_ABSENT_PLAIN(function)                                                                                          \
-    fmi3Status function(fmi3Instance instance) {                                                                               \
         REQUIRE(instance, ALWAYS, #function);                                                                                  \
         return (fmi3Status)face_absent(self, #function);                                                                       \
     }
@@ -341,13 +279,9 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *number)
         return references ? (fmi3Status)face_absent(self, #function) : fmi3OK;                                                 \
     }
 
-#if defined(__GNUC__)
-#pragma GCC diagnostic ignored "-Wunused-parameter"
-#endif
-
-DEFINE_ABSENT_PLAIN(fmi3EnterConfigurationMode)
-DEFINE_ABSENT_PLAIN(fmi3ExitConfigurationMode)
-DEFINE_ABSENT_PLAIN(fmi3EvaluateDiscreteStates)
+FACE_FUNCTION(fmi3EnterConfigurationMode, ALWAYS, (fmi3Instance instance), face_absent(self, "fmi3EnterConfigurationMode"))
+FACE_FUNCTION(fmi3ExitConfigurationMode, ALWAYS, (fmi3Instance instance), face_absent(self, "fmi3ExitConfigurationMode"))
+FACE_FUNCTION(fmi3EvaluateDiscreteStates, ALWAYS, (fmi3Instance instance), face_absent(self, "fmi3EvaluateDiscreteStates"))
 DEFINE_EMPTY(fmi3GetBinary, size_t b[], fmi3Binary c[], size_t d)
 DEFINE_EMPTY(fmi3SetBinary, const size_t b[], const fmi3Binary c[], size_t d)
 DEFINE_EMPTY(fmi3GetClock, fmi3Clock b[])
