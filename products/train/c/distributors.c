@@ -25,25 +25,15 @@ void distributors_free(pipe *self) {
 /* Allocates memory for `count` distributors; returns 0 if out of memory. */
 static int lay(distributors *self, long long int count) {
     const int states = KIND[self->kind].states, given = KIND[self->kind].given;
-    const struct {
-        double **first;
-        int rows;
-        double value;
-    } parts[] = {{&self->state, states, 1e5},         {&self->before, states, 0.0},
-                 {&self->kept, states, 0.0},          {&self->first, states, 0.0},
-                 {&self->given, given, 1.0},          {&self->air, PIPE_STATES, 1.0},
-                 {&self->command, COMMAND_ROWS, 0.0}, {&self->rate, states + ANSWER_ROWS, 0.0}};
-    const long long int rows = 5 * states + given + PIPE_STATES + COMMAND_ROWS + ANSWER_ROWS;
-    const long long int stride = self->stride = rows_stride(count);
-    self->memory = (double *)malloc((size_t)(rows * stride + ROWS_SPARE) * sizeof(double));
+    const rows_part parts[] = {{&self->state, states, 1e5},         {&self->before, states, 0.0},
+                               {&self->kept, states, 0.0},          {&self->first, states, 0.0},
+                               {&self->given, given, 1.0},          {&self->air, PIPE_STATES, 1.0},
+                               {&self->command, COMMAND_ROWS, 0.0}, {&self->rate, states + ANSWER_ROWS, 0.0}};
+    self->stride = rows_stride(count);
+    self->memory = ROWS_LAY(parts, self->stride);
     self->vehicle = (long long int *)malloc((size_t)(2 * count) * sizeof(long long int));
     if (!self->memory || !self->vehicle) return 0;
     self->cell = self->vehicle + count;
-    double *row = rows_first(self->memory);
-    for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
-        *parts[part].first = row;
-        for (int n = 0; n < parts[part].rows; ++n, row += stride) rows_fill(row, stride, parts[part].value);
-    }
     return 1;
 }
 
@@ -51,11 +41,6 @@ static int lay(distributors *self, long long int count) {
 static void put_air(distributors *self) {
     static const double air[PIPE_STATES] = {1.2, 0.0, 2.5e5};
     for (int n = 0; n < PIPE_STATES; ++n) rows_fill(self->air + n * self->stride, self->stride, air[n]);
-}
-
-static void put_given(distributors *self, const double *given) {
-    for (int n = 0; n < KIND[self->kind].given; ++n)
-        memcpy(self->given + n * self->stride, given + n * self->count, (size_t)self->count * sizeof(double));
 }
 
 int pipe_vehicles(pipe *self, long long int count, const long long int *kind, const long long int *cell,
@@ -77,7 +62,7 @@ int pipe_vehicles(pipe *self, long long int count, const long long int *kind, co
     }
     EACH_KIND(self, one) {
         put_air(one);
-        put_given(one, given[one->kind]);
+        rows_put(one->given, one->stride, given[one->kind], KIND[one->kind].given, one->count);
     }
     self->brake_model = brake_model;
     self->pace = pace;
@@ -116,8 +101,7 @@ int pipe_is_assisted(const pipe *self) {
 
 void pipe_vehicle_states(const pipe *self, int kind, double *state) {
     const distributors *one = &self->own[kind];
-    for (int n = 0; one->count && n < KIND[kind].states; ++n)
-        memcpy(state + n * one->count, one->state + n * one->stride, (size_t)one->count * sizeof(double));
+    if (one->count) rows_get(state, one->state, one->stride, KIND[kind].states, one->count);
 }
 
 long long int distributors_numbers(const pipe *self) {
@@ -134,9 +118,10 @@ void distributors_save(const pipe *self, double *numbers) {
 }
 
 void distributors_load(pipe *self, const double *numbers) {
-    EACH_KIND(self, one)
-    for (int n = 0; n < KIND[one->kind].states; ++n, numbers += one->count)
-        memcpy(one->state + n * one->stride, numbers, (size_t)one->count * sizeof(double));
+    EACH_KIND(self, one) {
+        rows_put(one->state, one->stride, numbers, KIND[one->kind].states, one->count);
+        numbers += KIND[one->kind].states * one->count;
+    }
 }
 
 void pipe_pressures(const pipe *self, double *line, double *cylinder) {

@@ -2,7 +2,6 @@
  * of it. The force of a part is that at its middle, to which the last change of the wheels' speed is continued. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "rows.h"
 #include "train_inside.h"
@@ -34,51 +33,29 @@ static double longest_part(const train *self, const double *traction, const doub
     return fmax(part, SHORTEST_PART);
 }
 
-static int take_rows(drives *self) {
-    struct {
-        double **first;
-        int rows;
-    } const parts[] = {{&self->traction, TRACTION_ROWS},
-                       {&self->law, 1},
-                       {&self->wheel, 1},
-                       {&self->speed, 1},
-                       {&self->command, DRIVEN_ROWS},
-                       {&self->force, 2},
-                       {&self->share, 1},
-                       {&self->line, 1},
-                       {&self->place, 1},
-                       {&self->friction, 1}};
-    int rows = 0;
-    for (size_t n = 0; n < sizeof parts / sizeof *parts; ++n) rows += parts[n].rows;
-    self->memory = (double *)malloc((size_t)(rows * self->stride + ROWS_SPARE) * sizeof(double));
-    if (!self->memory) return 0;
-    double *row = rows_first(self->memory);
-    for (size_t n = 0; n < sizeof parts / sizeof *parts; ++n) {
-        *parts[n].first = row;
-        for (int k = 0; k < parts[n].rows; ++k, row += self->stride) rows_fill(row, self->stride, 1.0);
-    }
-    return 1;
-}
-
 int drive_create(train *self, const double *traction, const double *law, const double *motion) {
-    int pulls = 0, falls = 0;
-    for (long long int i = 0; i < self->vehicles; ++i) {
-        pulls |= traction[TRACTION_TRACTION_FORCE * self->vehicles + i] > 0.0;
-        falls |= law[i] > 0.0;
-    }
+    const int pulls = rows_any(traction + TRACTION_TRACTION_FORCE * self->vehicles, self->vehicles);
+    const int falls = rows_any(law, self->vehicles);
     if (!pulls && !falls) return 1;
     drives *drive = self->drive = (drives *)calloc(1, sizeof *drive);
     if (!drive) return 0;
     drive->pulls = pulls;
     drive->falls = falls;
-    drive->vehicles = self->vehicles;
-    drive->stride = self->stride;
-    drive->lanes = self->lanes;
     drive->part = longest_part(self, traction, motion);
-    if (!take_rows(drive)) return 0;
-    for (int n = 0; n < TRACTION_ROWS; ++n)
-        memcpy(drive->traction + n * self->stride, traction + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
-    memcpy(drive->law, law, (size_t)self->vehicles * sizeof(double));
+    const rows_part parts[] = {{&drive->traction, TRACTION_ROWS, 1.0},
+                               {&drive->law, 1, 1.0},
+                               {&drive->wheel, 1, 1.0},
+                               {&drive->speed, 1, 1.0},
+                               {&drive->command, DRIVEN_ROWS, 1.0},
+                               {&drive->force, 2, 1.0},
+                               {&drive->share, 1, 1.0},
+                               {&drive->line, 1, 1.0},
+                               {&drive->place, 1, 1.0},
+                               {&drive->friction, 1, 1.0}};
+    drive->memory = ROWS_LAY(parts, self->stride);
+    if (!drive->memory) return 0;
+    rows_put(drive->traction, self->stride, traction, TRACTION_ROWS, self->vehicles);
+    rows_copy(drive->law, law, self->vehicles);
     return 1;
 }
 
@@ -110,9 +87,6 @@ static void command_motors(train *self) {
     }
 }
 
-static void pull_in_lanes(drives *self) { IN_LANES(drive_pull); }
-static void adhere_in_lanes(drives *self) { IN_LANES(drive_adhere); }
-
 /* Forces of motors in a part of a step. */
 static void pull(train *self, double step) {
     drives *drive = self->drive;
@@ -122,10 +96,10 @@ static void pull(train *self, double step) {
         drive->wheel[i] = wheel[i] + rate[i] * step / 2.0;
         drive->command[DRIVEN_STEP * self->stride + i] = step;
     }
-    memcpy(drive->command + DRIVEN_BEFORE * self->stride, run_row(self, RUN_END), (size_t)self->vehicles * sizeof(double));
-    pull_in_lanes(drive);
-    memcpy(run_row(self, RUN_MEAN), drive->force, (size_t)self->vehicles * sizeof(double));
-    memcpy(run_row(self, RUN_END), drive->force + self->stride, (size_t)self->vehicles * sizeof(double));
+    rows_copy(drive->command + DRIVEN_BEFORE * self->stride, run_row(self, RUN_END), self->vehicles);
+    IN_LANES(drive_pull);
+    rows_copy(run_row(self, RUN_MEAN), drive->force, self->vehicles);
+    rows_copy(run_row(self, RUN_END), drive->force + self->stride, self->vehicles);
     for (long long int i = 0; i < self->vehicles; ++i) acting[i] = self->input[IN_PULL][i] + drive->force[i];
 }
 
@@ -156,8 +130,8 @@ static void work(train *self, double step) {
 static void adhere(train *self) {
     drives *drive = self->drive;
     double *acting = motion_acting(self->moves, ACTING_FRICTION);
-    memcpy(drive->speed, motion_speed(self->moves), (size_t)self->vehicles * sizeof(double));
-    adhere_in_lanes(drive);
+    rows_copy(drive->speed, motion_speed(self->moves), self->vehicles);
+    IN_LANES(drive_adhere);
     for (long long int i = 0; i < self->vehicles; ++i) acting[i] = drive->friction[i] * drive->share[i];
 }
 
@@ -170,7 +144,7 @@ long long int drive_go(train *self, long long int count, double step) {
     const long long int parts = (long long int)ceil(step / drive->part), each = (count + parts - 1) / parts;
     if (drive->pulls) command_motors(self);
     const double *given = self->even ? self->input[IN_FRICTION] : motion_acting(self->moves, ACTING_FRICTION);
-    memcpy(drive->friction, given, (size_t)self->vehicles * sizeof(double)); /* without the fall over speed */
+    rows_copy(drive->friction, given, self->vehicles); /* without the fall over speed */
     for (long long int n = 0; n < parts; ++n) {
         const double part = step / (double)parts;
         if (drive->falls) adhere(self);
@@ -188,7 +162,7 @@ void drive_brake(train *self, const double *way) {
 }
 
 void drive_outputs(train *self) {
-    memcpy(self->output[OUT_TRACTION_FORCE], run_row(self, RUN_MEAN), (size_t)self->vehicles * sizeof(double));
-    memcpy(self->output[OUT_TRACTION_ENERGY], run_row(self, RUN_TRACTION), (size_t)self->vehicles * sizeof(double));
-    memcpy(self->output[OUT_ELECTRIC_BRAKE_ENERGY], run_row(self, RUN_ELECTRIC), (size_t)self->vehicles * sizeof(double));
+    rows_copy(self->output[OUT_TRACTION_FORCE], run_row(self, RUN_MEAN), self->vehicles);
+    rows_copy(self->output[OUT_TRACTION_ENERGY], run_row(self, RUN_TRACTION), self->vehicles);
+    rows_copy(self->output[OUT_ELECTRIC_BRAKE_ENERGY], run_row(self, RUN_ELECTRIC), self->vehicles);
 }

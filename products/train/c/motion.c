@@ -10,7 +10,7 @@
 
 /* A request for a coupling of one that has broken: neither coupled nor apart. */
 #define BROKEN (-1.0)
-enum { ROWS = MOTION_STATES + ACTING_ROWS + MOTION_ROWS + COUPLER_ROWS + MOTION_FOUND + 5, EXTREMES = 4 };
+enum { EXTREMES = 4 };
 
 /* Return 1 if the slope of a curve changes after its first FEW_POINTS points. */
 static int bends_often(const double *coupler, long long int couplers) {
@@ -29,37 +29,26 @@ motion *motion_create(long long int vehicles, const double *given, const double 
     self->vehicles = vehicles;
     self->lanes = lanes_of_processor();
     self->bends_often = bends_often(coupler, vehicles - 1);
-    self->memory = (double *)malloc((size_t)(ROWS * stride + ROWS_SPARE) * sizeof(double));
+    const rows_part parts[] = {{&self->state, MOTION_STATES, 0.0},
+                               {&self->acting, ACTING_ROWS, 0.0},
+                               {&self->given, MOTION_ROWS, 1.0},
+                               {&self->coupler, COUPLER_ROWS, 1.0},
+                               {&self->found, MOTION_FOUND, 0.0},
+                               {&self->force, 1, 0.0},
+                               {&self->step, 1, 1.0},
+                               {&self->wish, 1, 1.0},
+                               {&self->lead, 1, NAN},
+                               {&self->sum, 1, 0.0}};
+    self->memory = ROWS_LAY(parts, stride);
     if (!self->memory) {
         free(self);
         return NULL;
     }
-    double *row = rows_first(self->memory);
-    const struct {
-        double **first;
-        int rows;
-        double value;
-    } parts[] = {{&self->state, MOTION_STATES, 0.0},
-                 {&self->acting, ACTING_ROWS, 0.0},
-                 {&self->given, MOTION_ROWS, 1.0},
-                 {&self->coupler, COUPLER_ROWS, 1.0},
-                 {&self->found, MOTION_FOUND, 0.0},
-                 {&self->force, 1, 0.0},
-                 {&self->step, 1, 1.0},
-                 {&self->wish, 1, 1.0},
-                 {&self->lead, 1, NAN},
-                 {&self->sum, 1, 0.0}};
-    for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
-        *parts[part].first = row;
-        for (int n = 0; n < parts[part].rows; ++n, row += stride) rows_fill(row, stride, parts[part].value);
-    }
     self->speed = self->state + stride;
     self->wheel = self->speed + stride;
     self->rest = self->wheel + stride;
-    for (int n = 0; n < MOTION_ROWS; ++n)
-        memcpy(self->given + n * stride, given + n * vehicles, (size_t)vehicles * sizeof(double));
-    for (int n = 0; n < COUPLER_ROWS; ++n)
-        memcpy(self->coupler + n * stride, coupler + n * (vehicles - 1), (size_t)(vehicles - 1) * sizeof(double));
+    rows_put(self->given, stride, given, MOTION_ROWS, vehicles);
+    rows_put(self->coupler, stride, coupler, COUPLER_ROWS, vehicles - 1);
     return self;
 }
 
@@ -76,7 +65,7 @@ int motion_strength(motion *self, const double *strength) {
     for (long long int i = 0; i < couplers; ++i) breaks |= strength[i] < UNBREAKABLE;
     if (!breaks) return 1;
     self->strength = (double *)malloc((size_t)couplers * sizeof(double));
-    if (self->strength) memcpy(self->strength, strength, (size_t)couplers * sizeof(double));
+    if (self->strength) rows_copy(self->strength, strength, couplers);
     return self->strength != NULL;
 }
 
@@ -90,13 +79,11 @@ int motion_broken(motion *self) {
 }
 
 void motion_put(motion *self, const double *state) {
-    for (int n = 0; n < MOTION_STATES; ++n)
-        memcpy(self->state + n * self->stride, state + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
+    rows_put(self->state, self->stride, state, MOTION_STATES, self->vehicles);
 }
 
 void motion_get(const motion *self, double *state) {
-    for (int n = 0; n < MOTION_STATES; ++n)
-        memcpy(state + n * self->vehicles, self->state + n * self->stride, (size_t)self->vehicles * sizeof(double));
+    rows_get(state, self->state, self->stride, MOTION_STATES, self->vehicles);
 }
 
 double *motion_acting(motion *self, int row) { return self->acting + row * self->stride; }
@@ -164,7 +151,7 @@ void motion_save(const motion *self, double *numbers) {
     motion_get(self, numbers);
     numbers += MOTION_STATES * self->vehicles;
     for (int row = 0; row < KEPT_ROWS; ++row, numbers += self->vehicles)
-        memcpy(numbers, kept_rows(self, row), (size_t)self->vehicles * sizeof(double));
+        rows_copy(numbers, kept_rows(self, row), self->vehicles);
     memcpy(numbers, self->extremes, sizeof self->extremes);
     numbers[EXTREMES] = (double)self->summed;
 }
@@ -173,7 +160,7 @@ void motion_load(motion *self, const double *numbers) {
     motion_put(self, numbers);
     numbers += MOTION_STATES * self->vehicles;
     for (int row = 0; row < KEPT_ROWS; ++row, numbers += self->vehicles)
-        memcpy(kept_rows(self, row), numbers, (size_t)self->vehicles * sizeof(double));
+        rows_copy(kept_rows(self, row), numbers, self->vehicles);
     memcpy(self->extremes, numbers, sizeof self->extremes);
     self->summed = (long long int)numbers[EXTREMES];
     count_waiting(self);
@@ -226,8 +213,8 @@ static void find_forces(motion *self) {
     const long long int couplers = self->vehicles - 1;
     if (self->waiting) couple_what_touches(self);
     IN_LANES(motion_force);
-    memcpy(self->force, force, (size_t)couplers * sizeof(double));
-    memcpy(self->rest, rest, (size_t)couplers * sizeof(double));
+    rows_copy(self->force, force, couplers);
+    rows_copy(self->rest, rest, couplers);
     for (long long int i = 0; i < couplers; ++i) self->sum[i] += force[i];
     ++self->summed;
     find_extremes(self);
@@ -236,7 +223,7 @@ static void find_forces(motion *self) {
 
 void motion_force_now(motion *self, double *force) {
     IN_LANES(motion_force);
-    memcpy(force, self->found, (size_t)(self->vehicles - 1) * sizeof(double));
+    rows_copy(force, self->found, (self->vehicles - 1));
 }
 
 /* Speeds after a step; sliding wheels have their own law. */
@@ -253,7 +240,7 @@ static void find_speeds(motion *self) {
     }
     for (long long int i = 0; i < self->vehicles && self->led; ++i)
         if (isfinite(self->lead[i])) speed[i] = self->wheel[i] = self->lead[i];
-    memcpy(self->speed, speed, (size_t)self->vehicles * sizeof(double));
+    rows_copy(self->speed, speed, self->vehicles);
 }
 
 void motion_go(motion *self, long long int steps, double step) {

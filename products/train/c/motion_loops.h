@@ -2,6 +2,7 @@
  * not used. */
 #include "lanes.h"
 #include "motion_cells.h"
+#include "rows.h"
 
 void LANES_NAME(motion_force)(motion *self) {
     for (long long int i = 0; self->bends_often && i + 1 < self->vehicles; i += LANES)
@@ -13,12 +14,8 @@ void LANES_NAME(motion_force)(motion *self) {
     LANES_LEAVE;
 }
 
-void LANES_NAME(motion_speed)(motion *self) {
-    for (long long int i = 0; i < self->vehicles; i += LANES)
-        LANES_NAME(cells_rolling)(self->speed + i, self->wheel + i, self->force + i - 1, self->force + i, self->acting + i,
-                                  self->given + i, self->step + i, self->found + i, self->stride);
-    LANES_LEAVE;
-}
+ROWS_FUNCTION(motion_speed, motion, self->vehicles, cells_rolling, self->speed + i, self->wheel + i, self->force + i - 1,
+              self->force + i, self->acting + i, self->given + i, self->step + i, self->found + i)
 
 void LANES_NAME(motion_slide)(const motion *self, long long int i, double *result) {
     LANES_NAME(cells_sliding)(self->speed + i, self->wheel + i, self->force + i - 1, self->force + i, self->acting + i,

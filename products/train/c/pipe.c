@@ -16,7 +16,6 @@ static const double AIR[PIPE_STATES] = {1.2, 0.0, 2.5e5};
 static const double WELL_BELOW = 0.4;
 /* Largest number of halvings of a step. */
 enum { MOST_HALVED = 12 };
-enum { ROWS = 4 * PIPE_STATES + CELL_ROWS + PIPE_SIDES + 3 * PIPE_STATES + PIPE_LEAKS + 4 };
 /* Rate of friction over speed and diameter at Re of 2e5, 7/8 f of Blasius [1] (`dragging`). Waves limit the step more than friction
  * where k L |u| < c + |u|, k = DRAG / D: below a speed of waves, with the speed c of sound between these [m/s]. */
 static const double DRAG = 0.0131, SLOW_SOUND = 320.0, SOUND = 343.0;
@@ -34,50 +33,36 @@ pipe *pipe_create(long long int cells, const double *state, const double *consta
     self->cells = cells;
     self->stride = rows_stride(cells);
     self->lanes = lanes_of_processor();
-    self->memory = (double *)calloc((size_t)(ROWS * self->stride + ROWS_SPARE), sizeof(double));
+    const rows_part parts[] = {{&self->state, PIPE_STATES, 0.0},
+                               {&self->before, PIPE_STATES, 0.0},
+                               {&self->kept, PIPE_STATES, 0.0},
+                               {&self->first, PIPE_STATES, 0.0},
+                               {&self->given, CELL_ROWS, 1.0},
+                               {&self->side, PIPE_SIDES, 1.0},
+                               {&self->flux, PIPE_STATES, 0.0},
+                               {&self->rate, PIPE_STATES, 0.0},
+                               {&self->leak, PIPE_LEAKS, 0.0},
+                               {&self->time, 1, 0.0},
+                               {&self->jump, PIPE_STATES, 0.0},
+                               {&self->over_volume, 1, 0.0},
+                               {&self->drag, 1, 0.0},
+                               {&self->dragged_from, 1, 0.0}};
+    self->memory = ROWS_LAY(parts, self->stride);
     self->joint = (unsigned char *)calloc((size_t)(cells + 1), 1);
     if (!self->memory || !self->joint) {
         pipe_free(self);
         return NULL;
     }
-    double *row = rows_first(self->memory);
-    const struct {
-        double **first;
-        int rows;
-    } parts[] = {{&self->state, PIPE_STATES},
-                 {&self->before, PIPE_STATES},
-                 {&self->kept, PIPE_STATES},
-                 {&self->first, PIPE_STATES},
-                 {&self->given, CELL_ROWS},
-                 {&self->side, PIPE_SIDES},
-                 {&self->flux, PIPE_STATES},
-                 {&self->rate, PIPE_STATES},
-                 {&self->leak, PIPE_LEAKS},
-                 {&self->time, 1},
-                 {&self->jump, PIPE_STATES},
-                 {&self->over_volume, 1},
-                 {&self->drag, 1},
-                 {&self->dragged_from, 1}};
-    for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
-        *parts[part].first = row;
-        row += parts[part].rows * self->stride;
-    }
-    for (int n = 0; n < PIPE_STATES; ++n) {
-        rows_fill(self->state + n * self->stride, self->stride, AIR[n]);
-        memcpy(self->state + n * self->stride, state + n * cells, (size_t)cells * sizeof(double));
-    }
-    for (int n = 0; n < CELL_ROWS; ++n) {
-        rows_fill(self->given + n * self->stride, self->stride, 1.0);
-        memcpy(self->given + n * self->stride, constants + n * cells, (size_t)cells * sizeof(double));
-    }
+    for (int n = 0; n < PIPE_STATES; ++n) rows_fill(self->state + n * self->stride, self->stride, AIR[n]);
+    rows_put(self->state, self->stride, state, PIPE_STATES, cells);
+    rows_put(self->given, self->stride, constants, CELL_ROWS, cells);
     for (long long int i = 0; i < cells; ++i) self->over_volume[i] = 1.0 / volume(self, i);
-    for (long long int i = 0; i < cells; ++i) self->leaks |= self->given[i + CELL_LEAK_AREA * self->stride] > 0.0;
+    self->leaks = rows_any(self->given + CELL_LEAK_AREA * self->stride, cells);
     for (long long int i = 0; i < cells; ++i) {
         const double *own = self->given + i,
                      drag = DRAG * own[CELL_FRICTION * self->stride] / own[CELL_DIAMETER * self->stride];
         self->dragged_from[i] = drag * own[0] > 1.0 ? SLOW_SOUND + SOUND / (drag * own[0] - 1.0) : INFINITY;
     }
-    for (int n = 0; n < PIPE_SIDES; ++n) rows_fill(self->side + n * self->stride, self->stride, 1.0);
     for (int end = 0; end < 2; ++end) self->outside[end] = (pipe_outside){0.0, 1.0, 1e5, 293.15};
     return self;
 }
@@ -131,9 +116,8 @@ void pipe_save(const pipe *self, double *numbers) {
 }
 
 void pipe_load(pipe *self, const double *numbers) {
-    for (int n = 0; n < PIPE_STATES; ++n, numbers += self->cells)
-        memcpy(self->state + n * self->stride, numbers, (size_t)self->cells * sizeof(double));
-    distributors_load(self, numbers);
+    rows_put(self->state, self->stride, numbers, PIPE_STATES, self->cells);
+    distributors_load(self, numbers += PIPE_STATES * self->cells);
     numbers += distributors_numbers(self);
     memcpy(&self->passed, numbers, sizeof self->passed);
     self->fastest = self->found_since = 0.0; /* it belonged to another state and is searched again */
@@ -141,10 +125,7 @@ void pipe_load(pipe *self, const double *numbers) {
         self->valve[valve].at = numbers[sizeof self->passed / sizeof(double) + valve];
 }
 
-void pipe_state(const pipe *self, double *state) {
-    for (int n = 0; n < PIPE_STATES; ++n)
-        memcpy(state + n * self->cells, self->state + n * self->stride, (size_t)self->cells * sizeof(double));
-}
+void pipe_state(const pipe *self, double *state) { rows_get(state, self->state, self->stride, PIPE_STATES, self->cells); }
 
 const pipe_passed *pipe_has_passed(const pipe *self) { return &self->passed; }
 
@@ -364,19 +345,10 @@ static void rates(pipe *self, pipe_passed *passed) {
     distributors_act(self, passed);
 }
 
+/* Adds what has passed in a time; all members are numbers. */
 static void add(pipe_passed *to, const pipe_passed *more, double time) {
-    for (int end = 0; end < 2; ++end) {
-        to->end_mass[end] += time * more->end_mass[end];
-        to->end_energy[end] += time * more->end_energy[end];
-    }
-    to->leak_mass += time * more->leak_mass;
-    to->leak_energy += time * more->leak_energy;
-    to->vehicle_mass += time * more->vehicle_mass;
-    to->vehicle_energy += time * more->vehicle_energy;
-    to->cylinder_mass += time * more->cylinder_mass;
-    to->valve_mass += time * more->valve_mass;
-    to->valve_energy += time * more->valve_energy;
-    to->let_in += time * more->let_in;
+    double *sum = (double *)to;
+    for (size_t n = 0; n < sizeof *to / sizeof *sum; ++n) sum[n] += time * ((const double *)more)[n];
 }
 
 /* Heat exchange with the walls over a time. */
@@ -405,7 +377,7 @@ static void go_on(pipe *self, double share, double step) {
 
 static void copy(pipe *self, int to, int from) {
     double *blocks[] = {self->state, self->before, self->kept, self->first};
-    memcpy(blocks[to] - ROWS_EDGE, blocks[from] - ROWS_EDGE, (size_t)(PIPE_STATES * self->stride) * sizeof(double));
+    rows_copy(blocks[to] - ROWS_EDGE, blocks[from] - ROWS_EDGE, (PIPE_STATES * self->stride));
     distributors_copy(self, to, from);
 }
 

@@ -1,40 +1,18 @@
 /* All cells, LANES at a time; included once for each width. After the last cell, lanes compute values that are not used. */
 #include "lanes.h"
 #include "pipe_cells.h"
+#include "rows.h"
 
-void LANES_NAME(pipe_sides)(pipe *self) {
-    const double *u = self->state;
-    for (long long int i = 0; i < self->cells; i += LANES)
-        LANES_NAME(cells_sides)(u + i - 1, u + i, u + i + 1, self->side + i, self->stride);
-    LANES_LEAVE;
-}
-
+ROWS_FUNCTION(pipe_sides, pipe, self->cells, cells_sides, self->state + i - 1, self->state + i, self->state + i + 1,
+              self->side + i)
 /* Face i lies before cell i; those at the ends are overwritten. */
-void LANES_NAME(pipe_faces)(pipe *self) {
-    const double *behind = self->side + PIPE_STATES * self->stride - 1;
-    for (long long int i = 0; i <= self->cells; i += LANES)
-        LANES_NAME(cells_passing)(behind + i, self->side + i, self->flux + i, self->stride);
-    LANES_LEAVE;
-}
-
-void LANES_NAME(pipe_rates)(pipe *self) {
-    for (long long int i = 0; i < self->cells; i += LANES)
-        LANES_NAME(cells_rates)(self->state + i, self->flux + i, self->flux + i + 1, self->given + i, self->rate + i,
-                                self->stride);
-    LANES_LEAVE;
-}
-
-void LANES_NAME(pipe_drag)(pipe *self) {
-    for (long long int i = 0; i < self->cells; i += LANES)
-        LANES_NAME(cells_dragging)(self->state + i, self->given + i, self->drag + i, self->stride);
-    LANES_LEAVE;
-}
-
-void LANES_NAME(pipe_leaks)(pipe *self) {
-    for (long long int i = 0; i < self->cells; i += LANES)
-        LANES_NAME(cells_leaking)(self->state + i, self->given + i, self->leak + i, self->stride);
-    LANES_LEAVE;
-}
+ROWS_FUNCTION(pipe_faces, pipe, self->cells + 1, cells_passing, self->side + PIPE_STATES * self->stride + i - 1, self->side + i,
+              self->flux + i)
+ROWS_FUNCTION(pipe_rates, pipe, self->cells, cells_rates, self->state + i, self->flux + i, self->flux + i + 1, self->given + i,
+              self->rate + i)
+ROWS_FUNCTION(pipe_drag, pipe, self->cells, cells_dragging, self->state + i, self->given + i, self->drag + i)
+ROWS_FUNCTION(pipe_leaks, pipe, self->cells, cells_leaking, self->state + i, self->given + i, self->leak + i)
+ROWS_FUNCTION(pipe_warm, pipe, self->cells, cells_warmed, self->state + i, self->given + i, self->time + i, self->rate + i)
 
 void LANES_NAME(distributors_answer)(distributors *self) {
 #define FORM(number, name)                                                                                                     \
@@ -45,12 +23,6 @@ void LANES_NAME(distributors_answer)(distributors *self) {
         break;
     switch (self->form) { DISTRIBUTOR_FORMS(FORM) }
 #undef FORM
-    LANES_LEAVE;
-}
-
-void LANES_NAME(pipe_warm)(pipe *self) {
-    for (long long int i = 0; i < self->cells; i += LANES)
-        LANES_NAME(cells_warmed)(self->state + i, self->given + i, self->time + i, self->rate + i, self->stride);
     LANES_LEAVE;
 }
 

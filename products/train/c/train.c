@@ -10,9 +10,8 @@
 
 /* Brakes and line are constant during a step. It is as long as waves in the pipe allow, within these limits [s]; assumed. */
 static const double SHORTEST = 0.01, LONGEST = 0.1;
-/* Rows of brakes: constants, three results of all lanes; electric constants, commands and results. */
-enum { BLENDED_ROWS = 4, WARM_ROWS = 1 + 2 * HEATED_ROWS, OF_HEAT = HEAT_ROWS + WORKED_ROWS + WARM_ROWS };
-enum { ROWS = BRAKE_ROWS + 3 + ELECTRIC_ROWS + ELECTRICALLY_ROWS + BLENDED_ROWS + OF_HEAT };
+/* Rows of results: of electric brakes, of heat. */
+enum { BLENDED_ROWS = 4, WARM_ROWS = 1 + 2 * HEATED_ROWS };
 
 /* Length of a run's variables: behind those of the valves, of each vehicle the force of its electric brake [N] and the heat of
  * its friction brake (HEATED_ROWS), then those of drive.c and of extra_brakes.c. */
@@ -34,34 +33,6 @@ static double *take(double **from, long long int count) {
 static void lay_inputs(train *self, double *room) {
     self->given_before = room + self->inputs;
     for (int n = 0; n < TRAIN_INPUTS; ++n) self->input[n] = take(&room, layout_input(self->counts, n));
-}
-
-static void put_brakes(train *self, const double *brake) {
-    for (int n = 0; n < BRAKE_ROWS; ++n) {
-        rows_fill(self->brake + n * self->stride, self->stride, 1.0);
-        memcpy(self->brake + n * self->stride, brake + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
-    }
-    double *rows[] = {self->cylinder, self->wheel, self->held};
-    for (int n = 0; n < 3; ++n) rows_fill(rows[n], self->stride, 1.0);
-}
-
-static void put_electric(train *self, const double *electric) {
-    for (int n = 0; n < ELECTRIC_ROWS; ++n) {
-        rows_fill(self->electric + n * self->stride, self->stride, 1.0);
-        memcpy(self->electric + n * self->stride, electric + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
-    }
-    for (long long int i = 0; i < self->vehicles; ++i)
-        self->blends |= electric[ELECTRIC_BLENDED_PRESSURE * self->vehicles + i] > 0.0 ||
-                        electric[ELECTRIC_DYNAMIC_FORCE * self->vehicles + i] > 0.0;
-}
-
-static void put_heat(train *self, const double *heat) {
-    for (int n = 0; n < HEAT_ROWS; ++n) {
-        rows_fill(self->heat + n * self->stride, self->stride, 1.0);
-        memcpy(self->heat + n * self->stride, heat + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
-    }
-    for (int n = 0; n < WORKED_ROWS + WARM_ROWS; ++n) rows_fill(self->worked + n * self->stride, self->stride, 1.0);
-    for (long long int i = 0; i < self->vehicles; ++i) self->heats |= heat[HEAT_HEAT_CAPACITY * self->vehicles + i] > 0.0;
 }
 
 /* Integral of a column of the line from its first point on. */
@@ -89,25 +60,23 @@ static int take_memory(train *self) {
     long long int outputs = TRAIN_SUMS;
     for (int row = 0; row < TRAIN_INPUTS; ++row) self->inputs += layout_input(self->counts, row);
     for (int row = 0; row < OUT_SUMS; ++row) outputs += layout_output(self->counts, row);
+    const rows_part parts[] = {{&self->brake, BRAKE_ROWS, 1.0},
+                               {&self->cylinder, 1, 1.0},
+                               {&self->wheel, 1, 1.0},
+                               {&self->held, 1, 1.0},
+                               {&self->electric, ELECTRIC_ROWS, 1.0},
+                               {&self->command, ELECTRICALLY_ROWS, 0.0},
+                               {&self->blended, BLENDED_ROWS, 0.0},
+                               {&self->heat, HEAT_ROWS, 1.0},
+                               {&self->worked, WORKED_ROWS, 1.0},
+                               {&self->warm, WARM_ROWS, 1.0}};
+    self->rows = ROWS_LAY(parts, self->stride);
     const long long int given = 3 * n + VALVE_ROWS * self->valves + (POINT_ROWS + 2) * self->points;
-    self->memory =
-        (double *)calloc((size_t)(given + 2 * self->inputs + outputs + run + ROWS * self->stride + ROWS_SPARE), sizeof(double));
+    double *room = self->numbers = (double *)calloc((size_t)(given + 2 * self->inputs + outputs + run), sizeof(double));
     self->cell = (long long int *)calloc((size_t)(3 * n), sizeof(long long int));
-    if (!self->memory || !self->cell) return 0;
+    if (!self->rows || !self->numbers || !self->cell) return 0;
     self->hint = self->cell + n;
     self->face = self->hint + n;
-    double *room = rows_first(self->memory);
-    self->brake = take(&room, BRAKE_ROWS * self->stride);
-    self->cylinder = take(&room, self->stride);
-    self->wheel = take(&room, self->stride);
-    self->held = take(&room, self->stride);
-    self->electric = take(&room, ELECTRIC_ROWS * self->stride);
-    self->command = take(&room, ELECTRICALLY_ROWS * self->stride);
-    self->blended = take(&room, BLENDED_ROWS * self->stride);
-    self->heat = take(&room, HEAT_ROWS * self->stride);
-    self->worked = take(&room, WORKED_ROWS * self->stride);
-    self->warm = take(&room, WARM_ROWS * self->stride);
-    room -= ROWS_EDGE;
     self->mass = take(&room, n);
     self->centre = take(&room, n);
     self->length = take(&room, n);
@@ -121,15 +90,17 @@ static int take_memory(train *self) {
     return 1;
 }
 
-static void put(double *to, const double *group, int row, long long int count) {
-    memcpy(to, group + row * count, (size_t)count * sizeof(double));
-}
+static void put(double *to, const double *group, int row, long long int count) { rows_copy(to, group + row * count, count); }
 
 /* Numbers of vehicles, valves and the line. */
 static void put_numbers(train *self, const double *const at[LAYOUT_GROUPS]) {
-    put_brakes(self, at[GROUP_BRAKE]);
-    put_electric(self, at[GROUP_ELECTRIC]);
-    put_heat(self, at[GROUP_HEAT]);
+    const long long int count = self->vehicles;
+    rows_put(self->brake, self->stride, at[GROUP_BRAKE], BRAKE_ROWS, count);
+    rows_put(self->electric, self->stride, at[GROUP_ELECTRIC], ELECTRIC_ROWS, count);
+    rows_put(self->heat, self->stride, at[GROUP_HEAT], HEAT_ROWS, count);
+    self->blends = rows_any(at[GROUP_ELECTRIC] + ELECTRIC_BLENDED_PRESSURE * count, count) ||
+                   rows_any(at[GROUP_ELECTRIC] + ELECTRIC_DYNAMIC_FORCE * count, count);
+    self->heats = rows_any(at[GROUP_HEAT] + HEAT_HEAT_CAPACITY * count, count);
     put(self->mass, at[GROUP_MOTION], MOTION_MASS, self->vehicles);
     put(self->centre, at[GROUP_FRAME], FRAME_CENTRE, self->vehicles);
     put(self->length, at[GROUP_FRAME], FRAME_LENGTH, self->vehicles);
@@ -200,7 +171,8 @@ void train_free(train *self) {
     motion_free(self->moves);
     extra_free(self->extra);
     drive_free(self->drive);
-    free(self->memory);
+    free(self->rows);
+    free(self->numbers);
     free(self->cell);
     free(self->saved);
     free(self);
@@ -217,7 +189,7 @@ static void begin_inputs(train *self) {
     fill(self->input[IN_FRICTION], self->vehicles, START_FRICTION);
     fill(self->input[IN_COUPLING_CLOSED], self->vehicles - 1, 1.0);
     fill(self->input[IN_HOSE_STATE], self->vehicles - 1, HOSE_STATE_WHOLE);
-    memcpy(self->given_before, self->input[0], (size_t)self->inputs * sizeof(double));
+    rows_copy(self->given_before, self->input[0], self->inputs);
 }
 
 static void begin_air(train *self, double pressure, double cylinder) {
@@ -243,7 +215,7 @@ static void begin_motion(train *self, double speed, double distance) {
 
 /* Forces of electric brakes, and what their vehicles' cylinders are to give, in a step. */
 static void demand_brakes(train *self, double step) {
-    memcpy(self->wheel, motion_wheel(self->moves), (size_t)self->vehicles * sizeof(double));
+    rows_copy(self->wheel, motion_wheel(self->moves), self->vehicles);
     for (long long int i = 0; i < self->vehicles; ++i) {
         const int released = self->input[IN_PROTECTION][i] == PROTECTION_RELEASE;
         const double dead_time = self->electric[i + ELECTRIC_DEAD_TIME * self->stride];
@@ -255,15 +227,12 @@ static void demand_brakes(train *self, double step) {
         command[ELECTRICALLY_STEP * self->stride] = step;
     }
     IN_LANES(train_blend);
-    memcpy(electric_run(self), self->blended + 2 * self->stride, (size_t)self->vehicles * sizeof(double));
+    rows_copy(electric_run(self), self->blended + 2 * self->stride, self->vehicles);
     pipe_demand(self->air, self->blended + self->stride, self->blended + 3 * self->stride);
 }
 
 /* Copies the heat of a run to rows before a step. */
-static void heat_rows(train *self) {
-    for (int n = 0; n < HEATED_ROWS; ++n)
-        memcpy(self->warm + n * self->stride, heat_run(self) + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
-}
+static void heat_rows(train *self) { rows_put(self->warm, self->stride, heat_run(self), HEATED_ROWS, self->vehicles); }
 
 /* Changes brake forces by the share of friction of warm brakes. */
 static void fade_brakes(train *self) {
@@ -297,14 +266,12 @@ static void warm_brakes(train *self, double step) {
     drive_brake(self, self->worked + WORKED_WAY * self->stride);
     heat_rows(self);
     IN_LANES(train_heat);
-    for (int n = 0; n < HEATED_ROWS; ++n)
-        memcpy(heat_run(self) + n * self->vehicles, self->warm + (1 + HEATED_ROWS + n) * self->stride,
-               (size_t)self->vehicles * sizeof(double));
+    rows_get(heat_run(self), self->warm + (1 + HEATED_ROWS) * self->stride, self->stride, HEATED_ROWS, self->vehicles);
 }
 
 /* Brake forces at pressures of cylinders and speeds of wheels, with parking brakes applied for a time. */
 static void find_brakes(train *self, double step) {
-    memcpy(self->wheel, motion_wheel(self->moves), (size_t)self->vehicles * sizeof(double));
+    rows_copy(self->wheel, motion_wheel(self->moves), self->vehicles);
     IN_LANES(train_brake);
     extra_park(self, step);
     if (self->heats) fade_brakes(self);
@@ -313,8 +280,8 @@ static void find_brakes(train *self, double step) {
 
 /* Forces of the last step. */
 static void find_forces(train *self) {
-    memcpy(self->output[OUT_BRAKE_FORCE], self->held, (size_t)self->vehicles * sizeof(double));
-    memcpy(self->output[OUT_RAIL_FORCE], motion_rail(self->moves), (size_t)self->vehicles * sizeof(double));
+    rows_copy(self->output[OUT_BRAKE_FORCE], self->held, self->vehicles);
+    rows_copy(self->output[OUT_RAIL_FORCE], motion_rail(self->moves), self->vehicles);
 }
 
 /* Temperatures of the surfaces that are rubbed. */
@@ -324,7 +291,7 @@ static void find_surfaces(train *self) {
         heat_rows(self);
         IN_LANES(train_surface);
     }
-    memcpy(self->output[OUT_SURFACE_TEMPERATURE], self->heats ? left : heat_run(self), (size_t)self->vehicles * sizeof(double));
+    rows_copy(self->output[OUT_SURFACE_TEMPERATURE], self->heats ? left : heat_run(self), self->vehicles);
 }
 
 /* Outputs that depend on the state alone. */
@@ -340,7 +307,7 @@ static void find_outputs(train *self) {
     find_surfaces(self);
     put(self->output[OUT_BLOCK_TEMPERATURE], heat_run(self), HEATED_BLOCK_TEMPERATURE, self->vehicles);
     put(self->output[OUT_BRAKE_HEAT], heat_run(self), HEATED_HEAT, self->vehicles);
-    memcpy(self->output[OUT_TRACK_BRAKE_FORCE], extra_run(self) + 3 * self->vehicles, (size_t)self->vehicles * sizeof(double));
+    rows_copy(self->output[OUT_TRACK_BRAKE_FORCE], extra_run(self) + 3 * self->vehicles, self->vehicles);
     drive_outputs(self);
     motion_force_now(self->moves, self->output[OUT_COUPLER_FORCE]);
     motion_mean(self->moves, self->output[OUT_MEAN_COUPLER_FORCE]);
@@ -411,15 +378,15 @@ static void take_inputs(train *self) {
         if (coupled[i] != coupled_before[i]) motion_couple(self->moves, i, coupled[i] > 0.0);
     }
     lead(self);
-    memcpy(self->given_before, self->input[0], (size_t)self->inputs * sizeof(double));
+    rows_copy(self->given_before, self->input[0], self->inputs);
     if (changed) put_joints(self);
     pipe_protect(self->air, self->input[IN_PROTECTION]);
     motion_begin_mean(self->moves);
     double *force = motion_force(self->moves);
     force[-1] = self->input[IN_END_FORCE][0];
     force[couplings] = self->input[IN_END_FORCE][1];
-    memcpy(motion_acting(self->moves, ACTING_PULL), self->input[IN_PULL], (size_t)self->vehicles * sizeof(double));
-    memcpy(motion_acting(self->moves, ACTING_FRICTION), self->input[IN_FRICTION], (size_t)self->vehicles * sizeof(double));
+    rows_copy(motion_acting(self->moves, ACTING_PULL), self->input[IN_PULL], self->vehicles);
+    rows_copy(motion_acting(self->moves, ACTING_FRICTION), self->input[IN_FRICTION], self->vehicles);
 }
 
 /* One step with brakes and line of its middle; returns 0 if its result is not finite. */
@@ -427,14 +394,14 @@ static int step_on(train *self, double step) {
     valves_command(self, step);
     if (self->blends) demand_brakes(self, step);
     pipe_pressures(self->air, NULL, self->cylinder);
-    memcpy(self->held, self->cylinder, (size_t)self->vehicles * sizeof(double));
+    rows_copy(self->held, self->cylinder, self->vehicles);
     const long long int taken = pipe_advance(self->air, step, self->head[HEAD_COURANT]);
     if (taken < 0) return 0;
     valves_tell(self, step);
     pipe_pressures(self->air, NULL, self->cylinder);
     for (long long int i = 0; i < self->vehicles; ++i) self->cylinder[i] = (self->cylinder[i] + self->held[i]) / 2.0;
     find_brakes(self, step);
-    memcpy(motion_acting(self->moves, ACTING_BRAKE), self->held, (size_t)self->vehicles * sizeof(double));
+    rows_copy(motion_acting(self->moves, ACTING_BRAKE), self->held, self->vehicles);
     line_act(self, step);
     extra_track(self, step);
     const double count = fmax(1.0, ceil(step / (self->head[HEAD_SHARE] * self->head[HEAD_BOUND])));
@@ -445,25 +412,6 @@ static int step_on(train *self, double step) {
     if (self->works) warm_brakes(self, step);
     if (motion_broken(self->moves)) put_joints(self);
     return motion_sound(self->moves);
-}
-
-/* Saves the numbers of a step that may fail. */
-static void keep(const train *self) {
-    double *at = self->saved;
-    pipe_save(self->air, at);
-    motion_save(self->moves, at += pipe_numbers(self->air));
-    memcpy(at += motion_numbers(self->moves), self->run, (size_t)runs(self) * sizeof(double));
-    memcpy(at + runs(self), self->given_before, (size_t)self->inputs * sizeof(double));
-}
-
-static void restore(train *self) {
-    const double *at = self->saved;
-    pipe_load(self->air, at);
-    motion_load(self->moves, at += pipe_numbers(self->air));
-    memcpy(self->run, at += motion_numbers(self->moves), (size_t)runs(self) * sizeof(double));
-    memcpy(self->given_before, at + runs(self), (size_t)self->inputs * sizeof(double));
-    put_joints(self);
-    find_outputs(self);
 }
 
 /* True if all results of a step are finite. */
@@ -479,7 +427,7 @@ int train_go(train *self, double time) {
     const double begin = self->run[RUN_TIME];
     long long int wrong;
     if (train_input_wrong(self, &wrong) >= 0) return -2;
-    keep(self);
+    train_save(self, self->saved);
     take_inputs(self);
     for (double left = time; left > 0.0;) {
         const double most =
@@ -487,7 +435,7 @@ int train_go(train *self, double time) {
         const double count = ceil(left / most * (1.0 - 1e-12));
         const double step = count > 1.0 ? left / count : left;
         if (!(count < 1e9) || !step_on(self, step)) {
-            restore(self);
+            train_load(self, self->saved);
             return -1;
         }
         left = count > 1.0 ? left - step : 0.0;
@@ -496,7 +444,7 @@ int train_go(train *self, double time) {
     if (time > 0.0) self->run[RUN_STEP] = time;
     find_outputs(self);
     if (!outputs_finite(self)) {
-        restore(self);
+        train_load(self, self->saved);
         return -1;
     }
     find_forces(self);
@@ -520,19 +468,19 @@ long long int train_numbers(const train *self) {
 void train_save(const train *self, double *numbers) {
     pipe_save(self->air, numbers);
     motion_save(self->moves, numbers += pipe_numbers(self->air));
-    memcpy(numbers += motion_numbers(self->moves), self->input[0], (size_t)(2 * self->inputs) * sizeof(double));
-    memcpy(numbers += 2 * self->inputs, self->run, (size_t)runs(self) * sizeof(double));
-    memcpy(numbers += runs(self), self->output[OUT_BRAKE_FORCE], (size_t)self->vehicles * sizeof(double));
-    memcpy(numbers + self->vehicles, self->output[OUT_RAIL_FORCE], (size_t)self->vehicles * sizeof(double));
+    rows_copy(numbers += motion_numbers(self->moves), self->input[0], 2 * self->inputs);
+    rows_copy(numbers += 2 * self->inputs, self->run, runs(self));
+    rows_copy(numbers += runs(self), self->output[OUT_BRAKE_FORCE], self->vehicles);
+    rows_copy(numbers + self->vehicles, self->output[OUT_RAIL_FORCE], self->vehicles);
 }
 
 void train_load(train *self, const double *numbers) {
     pipe_load(self->air, numbers);
     motion_load(self->moves, numbers += pipe_numbers(self->air));
-    memcpy(self->input[0], numbers += motion_numbers(self->moves), (size_t)(2 * self->inputs) * sizeof(double));
-    memcpy(self->run, numbers += 2 * self->inputs, (size_t)runs(self) * sizeof(double));
-    memcpy(self->output[OUT_BRAKE_FORCE], numbers += runs(self), (size_t)self->vehicles * sizeof(double));
-    memcpy(self->output[OUT_RAIL_FORCE], numbers + self->vehicles, (size_t)self->vehicles * sizeof(double));
+    rows_copy(self->input[0], numbers += motion_numbers(self->moves), 2 * self->inputs);
+    rows_copy(self->run, numbers += 2 * self->inputs, runs(self));
+    rows_copy(self->output[OUT_BRAKE_FORCE], numbers += runs(self), self->vehicles);
+    rows_copy(self->output[OUT_RAIL_FORCE], numbers + self->vehicles, self->vehicles);
     put_joints(self);
     find_outputs(self);
 }

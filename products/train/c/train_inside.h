@@ -21,7 +21,7 @@ struct train {
     double head[HEAD_ROWS];
     pipe *air;
     motion *moves;
-    double *memory;
+    double *rows, *numbers; /* memory */
     double *brake, *cylinder, *wheel, *held; /* rows (rows.h): constants, variables they depend on, brake forces */
     /* rows of electric commands and brakes: constants, commands, and forces with demanded shares of the cylinders' pressure */
     double *electric, *command, *blended;
@@ -57,10 +57,10 @@ long long int layout_output(const long long int counts[LAYOUT_OWNERS], int row);
     void train_heat_##lanes(train *self);                                                                                      \
     void train_surface_##lanes(train *self);                                                                                   \
     void train_fade_##lanes(train *self);                                                                                      \
-    void extra_track_##lanes(extra_brakes *self);                                                                              \
-    void extra_park_##lanes(extra_brakes *self);                                                                               \
-    void drive_pull_##lanes(drives *self);                                                                                     \
-    void drive_adhere_##lanes(drives *self)
+    void extra_track_##lanes(train *self);                                                                                     \
+    void extra_park_##lanes(train *self);                                                                                      \
+    void drive_pull_##lanes(train *self);                                                                                      \
+    void drive_adhere_##lanes(train *self)
 TRAIN_LOOPS(1);
 TRAIN_LOOPS(2);
 TRAIN_LOOPS(4);
@@ -78,8 +78,7 @@ void line_act(train *self, double step);
 
 /* Track brakes and parking brakes (extra_brakes.c): rows (rows.h) of vehicles. */
 struct extra_brakes {
-    int tracks, parks, lanes; /* a vehicle has a track brake; one has a parking brake */
-    long long int vehicles, stride;
+    int tracks, parks; /* a vehicle has a track brake; one has a parking brake */
     double *memory;
     const double *speed; /* of the vehicles, a row of the motion */
     double *track, *order, *braked; /* constants; ORDERED; force and both shares at the end of a step */
@@ -97,8 +96,7 @@ void extra_park(train *self, double step);
 void extra_track(train *self, double step);
 /* Traction, and adhesion over speed (drive.c): rows (rows.h) of vehicles. */
 struct drives {
-    int pulls, falls, lanes; /* a vehicle has motors; the adhesion of one falls over its speed */
-    long long int vehicles, stride;
+    int pulls, falls; /* a vehicle has motors; the adhesion of one falls over its speed */
     double part; /* longest part of a step [s] */
     double *memory;
     double *traction, *law; /* constants */
