@@ -16,11 +16,12 @@ from pathlib import Path
 from fmu_src import __version__
 from fmu_src.archive import write_archive
 from fmu_src.c_literals import c_array, c_number, c_text
-from fmu_src.compile import FMI_HEADERS, plain_library
+from fmu_src.compile import plain_library
 from fmu_src.identity import identifier, with_data
 from fmu_src.model_description import DISPLAY_UNITS, LOG_CATEGORIES, NOMINAL, UNITS
-from fmu_src.native_fmu import STANDARD_HEADERS, binary_for
+from fmu_src.native_fmu import binary_for
 from fmu_src.objects import ARRAYS, FACES, OF_BOTH, OF_SLAVES, RUNTIME, able
+from fmu_src.standard_headers import standard_headers
 from readers.usual import LEAST_PRESSURE
 
 #: Elements of an array at most; the value reference in FMI 2.0 is array * ELEMENTS + element.
@@ -122,7 +123,7 @@ def build_arrays_fmu(
     files |= {f"binaries/{place}": data for place, data in binaries.items()}
     texts = sources_for(given, version)
     files |= {f"sources/{name}": text.encode() for name, text in texts.items()}
-    files |= {f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[version]}
+    files |= {f"sources/{name}": text for name, text in standard_headers(version).items()}
     if version == 3:
         files["sources/buildDescription.xml"] = build_description(given).encode()
     files |= extras
@@ -131,7 +132,7 @@ def build_arrays_fmu(
 
 def sources_for(given: ArraysInC, version: int) -> dict[str, str]:
     """Return C files by name, without the face of the other version."""
-    other = {2: ("fmi3.c",), 3: ("fmi2.c", "fmi2Functions.h")}[version]
+    other = {2: ("fmi3.c",), 3: ("fmi2.c",)}[version]
     return {name: text for name, text in all_sources(given).items() if name not in other}
 
 

@@ -102,7 +102,6 @@ RUNTIME_HEADERS = (
     "studies.h",
     "object.h",
     "face.h",
-    "fmi2Functions.h",
 )
 
 #: Functions of a system in the order of `system_description` in model.h.

@@ -14,12 +14,13 @@ import fmpy
 
 from fmu_src.archive import write_archive
 from fmu_src.codegen import FACE_SOURCES, KERNEL_SOURCES, RUNTIME, RUNTIME_HEADERS, generate, guid_of
-from fmu_src.compile import FMI_HEADERS, library_of, library_suffix
+from fmu_src.compile import library_of, library_suffix
 from fmu_src.equations_in_c import TABLE_FILE
 from fmu_src.model_description import model_description
 from fmu_src.model_description3 import model_description3
 from fmu_src.pages import pages
 from fmu_src.record_file import OWN
+from fmu_src.standard_headers import standard_headers
 from fmu_src.system import Model
 
 #: Folder in binaries/ -> targets of zig, and suffix of the library. Two targets make one universal binary. The glibc is
@@ -43,17 +44,13 @@ PLATFORMS3: dict[str, tuple[tuple[str, ...], str]] = {
 }
 #: Of Mach-O files: CPU type and subtype by target.
 MACHINES = {"x86_64-macos.11.0": (0x01000007, 3), "aarch64-macos.11.0": (0x0100000C, 0)}
-#: Headers of the runtime that are not in every FMU: they belong to one version or to studies.
-_NOT_OF_ALL = {"studies.h", "batch.h", "batch_lanes.h", "fmi2Functions.h"}
+#: Headers of the runtime that are not in FMUs: they belong to studies.
+_NOT_OF_ALL = {"studies.h", "batch.h", "batch_lanes.h"}
 HEADERS = tuple(name for name in RUNTIME_HEADERS if name not in _NOT_OF_ALL)
-#: Content of sources/ besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
+#: Content of sources/ besides the generated files and the standard's headers, by version of FMI.
 SOURCES = {
-    2: (*KERNEL_SOURCES, *(name for name in FACE_SOURCES if name != "fmi3.c"), *HEADERS, "fmi2Functions.h"),
+    2: (*KERNEL_SOURCES, *(name for name in FACE_SOURCES if name != "fmi3.c"), *HEADERS),
     3: (*KERNEL_SOURCES, *(name for name in FACE_SOURCES if name != "fmi2.c"), *HEADERS),
-}
-STANDARD_HEADERS = {
-    2: ("fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
-    3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
 #: Programs that run an FMU, with placeholders for its names: their names in the archive and here, by version of FMI.
 #: The placeholder of the version is @N@; a line that begins with @2@ or @3@ is used for that version alone.
@@ -92,7 +89,7 @@ def build_native_fmu3(
 def _contents(model: Model, sources: Mapping[str, str], about: str, version: int) -> dict[str, bytes]:
     files = {name: text.encode() for name, text in sources.items()}
     files |= {name: (RUNTIME / name).read_bytes() for name in SOURCES[version]}
-    files |= {name: (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[version]}
+    files |= standard_headers(version)
     files[ONE_UNIT] = one_unit(model, [*sources, *SOURCES[version]], version).encode()
     return {"modelDescription.xml": about.encode()} | {f"sources/{name}": data for name, data in files.items()}
 
