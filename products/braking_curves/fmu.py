@@ -14,8 +14,8 @@ from fmu_src.c_literals import c_number
 from products.braking_curves.gradients_of_line import gradients_of
 from products.braking_curves.variables import AT_ANY_DISTANCE, FARTHEST, STANDSTILL, UNUSED, every
 from products.building import announce, license_text
-from products.supervision.given import FASTEST_BOUNDARY
 from products.supervision.gradients import STEEPEST, Gradients
+from products.supervision.steps import FASTEST_BOUNDARY
 from products.supervision.train import A_SHARE
 from products.train.fmu import binaries_of
 from rbd_model.track.line_files import line_from_file

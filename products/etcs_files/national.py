@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from fmu_src.suggestion import suggestion
-from products.supervision.arguments import path_of
+from products.supervision.arguments import path_of, within
 from products.supervision.steps import Steps
-from products.supervision.values import RANGES, NationalValues, check_factors
+from products.supervision.values import RANGES, NationalValues
 from readers.command_line import decimal_comma, number_in
 from readers.documents import is_number
 from readers.text import BadInputError, FileError, shown
@@ -80,7 +80,7 @@ def _number(value: Any, name: str, unit: str, source: str) -> float:
     of = {"M_NVKVINT_b": "Kv_int", "M_NVKVINT": "Kv_int", "M_NVKRINT": "Kr_int", "M_NVKTINT": "Kt_int"}.get(name, name)
     most = RANGES["reduced_adhesion" if name in ADHESION else of] if name not in STARTS else math.inf
     try:
-        check_factors(f"{source}: {name}", found, 0.0, most, "Correct it.")
+        within(f"{source}: {name}", found, 0.0, most)
     except BadInputError as error:
         raise FileError(str(error)) from None
     return float(found)

@@ -39,6 +39,14 @@ def at_least(name: str, value: object, least: float, unit: str) -> np.ndarray:
     return array
 
 
+def within(name: str, value: object, least: float, most: float, remedy: str = "Correct it.") -> np.ndarray:
+    """Return numbers within their range."""
+    array = numbers(name, value)
+    if not np.all((array >= least) & (array <= most)):
+        raise BadInputError(f"{name} must be {least:g} to {most:g}; got {shown(array.tolist())}. {remedy}")
+    return array
+
+
 def finite(name: str, value: object) -> float:
     """Return one finite number."""
     array = numbers(name, value)
@@ -80,6 +88,16 @@ def path_of(value: object) -> Path:
     if not isinstance(value, str | Path):
         raise BadInputError(f"The path of a file must be text or a Path; got {type(value).__name__}.")
     return Path(value)
+
+
+def check_sizes(what: str, sizes: object, limits: Mapping[str, tuple[float, float]]) -> None:
+    """Refuse attributes outside their limits; those with a limit that is an integer are integers."""
+    for name, (least, most) in limits.items():
+        value, whole = getattr(sizes, name), isinstance(most, int)
+        number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+        if not number or not least <= value <= most or (whole and value != int(value)):
+            kind = "an integer from " if whole else ""
+            raise BadInputError(f"{name} of {what} must be {kind}{least:g} to {most:g}; got {shown(value)}.")
 
 
 def check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.special import ndtri
 from scipy.stats import binom
 
-from products.supervision.arguments import all_of_type, finite, of_type, switch
+from products.supervision.arguments import all_of_type, check_sizes, finite, of_type, switch
 from products.supervision.convolution import (
     SHARES,
     Law,
@@ -67,14 +67,8 @@ class BrakedVehicles:
     discs: bool = True
 
     def __post_init__(self) -> None:
-        for name, least, most in (("count", 1, MOST_VEHICLES), ("force", 0.0, LARGEST), ("mass", 1e-6, LARGEST)):
-            value = getattr(self, name)
-            number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-            if not number or not least <= value <= most or (name == "count" and value != int(value)):
-                kind = "an integer from " if name == "count" else ""
-                raise BadInputError(
-                    f"{name} of braked vehicles must be {kind}{least:g} to {most:g}; got {shown(value)}."
-                )
+        limits = {"count": (1, MOST_VEHICLES), "force": (0.0, LARGEST), "mass": (1e-6, LARGEST)}
+        check_sizes("braked vehicles", self, limits)
         switch("discs", self.discs)
 
 

@@ -6,6 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from brake_controller.brake_weight import (
+    BANDS,
+    BASIC,
+    LEAST_PERCENTAGE,
+    LIMIT_FACTOR,
+    LIMIT_POWER,
+    MOST_PERCENTAGE,
+    SERVICE_PERCENTAGE,
+    SHORT_TRAIN,
+    Case,
+)
 from products.supervision.arguments import finite, name_among, numbers
 from products.supervision.steps import Steps
 from readers.text import BadInputError, shown
@@ -14,29 +25,7 @@ KMH = 1.0 / 3.6
 #: Brake positions, and the longest train of each for which the model is defined [m].
 BRAKE_POSITIONS = {"passenger P": 900.0, "freight P": 1500.0, "freight G": 1500.0}
 #: Brake percentages [%] and largest speed [m/s] of the model; percentage above which a service brake gains nothing.
-LEAST, MOST, FASTEST, SERVICE_MOST = 30.0, 250.0, 200.0 * KMH, 135.0
-#: Speeds at which polynomials end [km/h], and their coefficients of 1, lambda, lambda^2, lambda^3 [m/s2], A.3.7.5.
-ENDS = (100.0, 120.0, 150.0, 180.0)
-COEFFICIENTS = (
-    (0.0663, 4.72e-3, 6.1e-5, -6.3e-7),
-    (0.13, 5.14e-3, -4.54e-6, 2.73e-7),
-    (0.0479, 5.81e-3, -6.76e-6, 5.58e-8),
-    (0.048, 5.52e-3, -3.85e-6, 3e-8),
-    (0.0559, 5.06e-3, 1.66e-6, 3.23e-9),
-)
-#: Build-up times a + b x + c x^2 [s] of the length x in 100 m, and the least length [m], A.3.8: of the emergency brake,
-#: of the service brake; for trains longer than LONG [m] that are not passenger trains.
-EMERGENCY = {
-    "passenger P": ((2.3, 0.0, 0.17), 400.0),
-    "freight P": ((2.3, 0.0, 0.17), 400.0),
-    "freight G": ((12.0, 0.0, 0.05), 0.0),
-}
-SERVICE = {
-    "passenger P": ((3.0, 1.5, 0.1), 0.0),
-    "freight P": ((3.0, 2.77, 0.0), 0.0),
-    "freight G": ((3.0, 2.77, 0.0), 400.0),
-}
-LONG, LONG_EMERGENCY, LONG_SERVICE = 900.0, (-0.4, 1.6, 0.03), (10.5, 0.32, 0.18)
+LEAST, MOST, FASTEST, SERVICE_MOST = LEAST_PERCENTAGE, MOST_PERCENTAGE, 200.0 * KMH, SERVICE_PERCENTAGE
 #: Largest step to which the limit speed may be rounded up [m/s].
 COARSEST = 5.0 * KMH
 #: Factor of build-up times where the target speed is above 0.
@@ -58,7 +47,7 @@ def limit_speed(percentage: np.ndarray | float, resolution: float = 0.0) -> np.n
 
     Takes percentage [%], resolution [m/s]; returns [m/s].
     """
-    speed = 16.85 * np.power(percentage, 0.428) * KMH
+    speed = LIMIT_FACTOR * np.power(percentage, LIMIT_POWER) * KMH
     return np.ceil(speed / resolution - 1e-9) * resolution if resolution else speed
 
 
@@ -68,8 +57,8 @@ def basic_decelerations(percentage: np.ndarray | float) -> np.ndarray:
     Takes percentage [%] (...); returns [m/s2] (..., 6).
     """
     share = np.asarray(percentage, dtype=float)[..., None]
-    polynomials = [sum(one * share**n for n, one in enumerate(row)) for row in COEFFICIENTS]
-    return np.concatenate([0.0075 * share + 0.076, *polynomials], axis=-1)
+    polynomials = [sum(factor * share**n for n, factor in enumerate(row)) for _, row in BANDS]
+    return np.concatenate([BASIC[1] * share + BASIC[0], *polynomials], axis=-1)
 
 
 def deceleration_of(percentage: np.ndarray | float, resolution: float = 0.0) -> Steps:
@@ -78,7 +67,7 @@ def deceleration_of(percentage: np.ndarray | float, resolution: float = 0.0) -> 
     Takes percentage [%] (...); returns [m/s2].
     """
     share = np.asarray(percentage, dtype=float)[..., None]
-    limit, ends = limit_speed(share, resolution), np.array(ENDS) * KMH
+    limit, ends = limit_speed(share, resolution), np.array([end for end, _ in BANDS[:-1]]) * KMH
     boundaries = np.concatenate([limit, np.maximum(limit, ends)], axis=-1)
     basic = basic_decelerations(percentage)
     ignored = np.concatenate([np.zeros_like(limit), limit > ends, np.zeros_like(limit)], axis=-1).astype(bool)
@@ -90,15 +79,11 @@ def build_up_time(position: str, length: np.ndarray | float, emergency: bool) ->
 
     Takes length [m]; returns [s].
     """
+    of = Case[f"{'EMERGENCY' if emergency else 'SERVICE'}_{position.upper().replace(' ', '_')}"].value
     lengths = np.asarray(length, dtype=float)
-    (a, b, c), least = (EMERGENCY if emergency else SERVICE)[position]
-    x = np.maximum(lengths, least) / 100.0
-    time = a + b * x + c * x**2
-    if position == "passenger P":
-        return time
-    a, b, c = LONG_EMERGENCY if emergency else LONG_SERVICE
-    x = lengths / 100.0
-    return np.where(lengths > LONG, a + b * x + c * x**2, time)
+    x = np.maximum(lengths, of.least_length) / 100.0
+    short, longer = (a + b * x + c * x**2 for a, b, c in (of.short, of.longer or of.short))
+    return np.where(lengths > SHORT_TRAIN, longer, short)
 
 
 def brake_of_percentage(

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 from scipy.stats import binom
 
-from products.supervision.arguments import all_of_type, finite, numbers
+from products.supervision.arguments import all_of_type, check_sizes, finite, numbers
 from readers.text import BadInputError, shown
 
 #: Confidence levels (M_NVEBCL): the probability that the brake is weaker than stated, SUBSET-026, 7.5. Level 0 is a
@@ -64,17 +64,8 @@ class BrakeUnits:
     spread: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, least, most in (
-            ("count", 1, 10_000),
-            ("force", 1e-12, 1e12),
-            ("failure", 0.0, 0.5),
-            ("spread", 0.0, 0.5),
-        ):
-            value = getattr(self, name)
-            number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-            if not number or not least <= value <= most or (name == "count" and value != int(value)):
-                kind = "an integer from " if name == "count" else ""
-                raise BadInputError(f"{name} of brake units must be {kind}{least:g} to {most:g}; got {shown(value)}.")
+        limits = {"count": (1, 10_000), "force": (1e-12, 1e12), "failure": (0.0, 0.5), "spread": (0.0, 0.5)}
+        check_sizes("brake units", self, limits)
 
 
 @dataclass(frozen=True)
@@ -106,9 +97,6 @@ class _Force:
             return np.where(sharp, means < share, ndtr((share - means) / np.where(sharp, 1.0, deviations)))
         factors = np.maximum(1.0 + self.common * NODES, 1e-6)
         return ndtr((share / factors - means[:, None]) / deviations[:, None]) @ DENSITY
-
-    def _rarer(self, share: float, weaker: float) -> float:
-        return float(np.log(max(self.weaker_than(share), 1e-300) / weaker))
 
     def share_at(self, weaker: float) -> float:
         """Return the largest share below which the force is at most with this probability."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from products.supervision.arguments import at_least, check_shapes, name_among, numbers, of_type, switch
+from products.supervision.arguments import at_least, check_shapes, name_among, numbers, of_type, switch, within
 from products.supervision.conversion import (
     BRAKE_POSITIONS,
     FASTEST,
@@ -17,9 +17,8 @@ from products.supervision.conversion import (
     MOVING_TARGET,
     brake_of_percentage,
 )
-from products.supervision.given import check_boundaries, set_kinds
-from products.supervision.steps import Steps
-from products.supervision.values import NationalValues, check_factors, check_national, checked_level
+from products.supervision.steps import Steps, check_boundaries, set_kinds
+from products.supervision.values import NationalValues, check_national, checked_level
 from readers.text import BadInputError, shown
 
 #: Largest number of steps of a deceleration in train data, SUBSET-026, 3.13.2.2.3.1.2.
@@ -33,9 +32,10 @@ LIMITS = {
     "T_traction_cut_off": (0.0, 30.0, "s"),
     "rotating": (0.0, 30.0, "%"),
     "maximum_speed": (0.0, 600.0 * KMH, "m/s"),
+    "percentage": (LEAST, MOST, "%"),
 }
 #: Numbers that need not be known.
-UNKNOWN = ("rotating", "maximum_speed")
+UNKNOWN = ("rotating", "maximum_speed", "percentage")
 #: Rotating mass below which a share of 1 was given instead of percent [%]: the largest share.
 A_SHARE = 0.3
 #: Limits of factors in train data: K of dry and wet rails by SUBSET-027; Kn, 0 to 10 m/s2 for a gradient of 1.
@@ -72,7 +72,7 @@ class SupervisedTrain:
     rotating : float or ndarray or None
         Nominal rotating mass [% of the mass]; None: the values of `gradients.acceleration_by`.
     A_brake_normal_service : Steps or None
-        Deceleration of the guidance curve [m/s2], see `choose_normal_service`; None: the train has no guidance curve.
+        Deceleration of the guidance curve [m/s2], 3.13.6.4; None: the train has no guidance curve.
     Kn_plus, Kn_minus : Steps
         What the guidance curve subtracts up and down a gradient [m/s2 a permille].
     without_adhesion : bool
@@ -126,12 +126,6 @@ class SupervisedTrain:
                     raise BadInputError(f"{name} must be {least:g} to {most:g} {unit}; got {shown(value)}. Correct it.")
         if self.position is not None:
             name_among("position", self.position, tuple(BRAKE_POSITIONS))
-        if self.percentage is not None:
-            shares = numbers("percentage", self.percentage)
-            if not np.all((shares >= LEAST) & (shares <= MOST)):
-                raise BadInputError(
-                    f"percentage must be {LEAST:g} to {MOST:g} %; got {shown(self.percentage)}. Correct it."
-                )
         rotating = numbers("rotating", 0.0 if self.rotating is None else self.rotating)
         if np.any((rotating > 0.0) & (rotating < A_SHARE)):
             raise BadInputError(
@@ -139,34 +133,22 @@ class SupervisedTrain:
                 f"{shown(self.rotating)}. Give percent: 10 for 10 %."
             )
         for name, (least, most, remedy) in FACTORS.items():
-            check_factors(name, getattr(self, name).values, least, most, remedy)
+            within(name, getattr(self, name).values, least, most, remedy)
             check_boundaries(name, getattr(self, name))
         if self.level is not None:
             object.__setattr__(self, "level", checked_level("level", self.level))
         if self.service_feedback and not self.service_command:
             raise BadInputError("service_feedback must be False without service_command: there is no brake to measure.")
         for name in ("A_brake_emergency", "A_brake_service", "A_brake_normal_service"):
-            steps = getattr(self, name)
-            if steps is None:
-                continue
-            check_boundaries(name, steps)
-            if not np.all((steps.values > 0.0) & (steps.values < 10.0)):
-                raise BadInputError(
-                    f"{name} must be above 0 and below 10 m/s2; got {shown(steps.values.tolist())}. Give m/s2."
-                )
-            if steps.values.shape[-1] > MOST_STEPS:
-                raise BadInputError(
-                    f"{name} must have at most {MOST_STEPS} steps (SUBSET-026, 3.13.2.2.3); got "
-                    f"{steps.values.shape[-1]}. Unite some of them, with the lower value."
-                )
-
+            if getattr(self, name) is not None:
+                _check_deceleration(name, getattr(self, name))
         _ = self.shape
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Return the leading axes of the trains. Raises BadInputError if two numbers do not fit together."""
         given = {one.name: getattr(self, one.name) for one in fields(self)}
-        shapes = {name: np.shape(given[name]) for name in (*LIMITS, "percentage") if given[name] is not None}
+        shapes = {name: np.shape(given[name]) for name in LIMITS if given[name] is not None}
         shapes |= {name: one.values.shape[:-1] for name, one in given.items() if isinstance(one, Steps)}
         return check_shapes(shapes)
 
@@ -263,16 +245,18 @@ class SupervisedTrain:
         return emergency * factor * national.Kt_int, service * factor
 
 
+def _check_deceleration(name: str, steps: Steps) -> None:
+    """Refuse decelerations that no train has, and more steps than train data have."""
+    check_boundaries(name, steps)
+    if not np.all((steps.values > 0.0) & (steps.values < 10.0)):
+        raise BadInputError(f"{name} must be above 0 and below 10 m/s2; got {shown(steps.values.tolist())}. Give m/s2.")
+    if steps.values.shape[-1] > MOST_STEPS:
+        raise BadInputError(
+            f"{name} must have at most {MOST_STEPS} steps (SUBSET-026, 3.13.2.2.3); got {steps.values.shape[-1]}. "
+            "Unite some of them, with the lower value."
+        )
+
+
 def check_train(train: object) -> None:
     """Refuse what is not a train."""
-    remedy = "Of a file, take read_train(path).at_level(M_NVEBCL)."
-    of_type("train", train, SupervisedTrain, remedy)
-
-
-def choose_normal_service(service: Steps, choices: tuple[Steps, Steps, Steps], limits: tuple[float, float]) -> Steps:
-    """Return the normal service deceleration that belongs to a full service brake, SUBSET-026, 3.13.6.4.
-
-    Takes limits [m/s2].
-    """
-    at_rest = float(np.ravel(service.at(0.0))[0])
-    return choices[int(at_rest > limits[0]) + int(at_rest > limits[1])]
+    of_type("train", train, SupervisedTrain, "Of a file, take read_train(path).at_level(M_NVEBCL).")

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from products.supervision.arguments import at_least, finite, numbers, of_type
+from products.supervision.arguments import at_least, finite, numbers, of_type, within
 from products.supervision.conversion import KMH
-from products.supervision.given import check_boundaries, set_kinds
-from products.supervision.steps import Steps
+from products.supervision.steps import Steps, check_boundaries, set_kinds
 from readers.text import BadInputError, shown
 
 #: Time that each baseline adds to the indication [s]: the driver's time, which only baseline 4 counts in T_indication.
@@ -49,7 +47,7 @@ class FixedValues:
 
     def __post_init__(self) -> None:
         for name in ("T_warning", "T_driver", "T_indication_least", "T_indication_more"):
-            check_factors(name, getattr(self, name), 0.0, 60.0, "Give seconds.")
+            within(name, getattr(self, name), 0.0, 60.0, "Give seconds.")
             object.__setattr__(self, name, finite(name, getattr(self, name)))
 
     def dV_ebi(self, speed: np.ndarray | float) -> np.ndarray:
@@ -125,7 +123,7 @@ class NationalValues:
             check_boundaries("Kv_int_b", self.Kv_int_b)
             known["Kv_int_b"] = self.Kv_int_b.values
         for name, value in known.items():
-            check_factors(name, value, 0.0, RANGES[name], "Correct it.")
+            within(name, value, 0.0, RANGES[name])
         for name in ("M_NVAVADH", "A_NVP12", "A_NVP23", "Kt_int"):
             object.__setattr__(self, name, finite(name, known[name]))
         checked_level("M_NVEBCL", self.M_NVEBCL)
@@ -143,10 +141,3 @@ def checked_level(name: str, value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int | float | np.number) or value not in range(10):
         raise BadInputError(f"{name} must be an integer from 0 to 9; got {shown(value)}. Correct it.")
     return int(value)
-
-
-def check_factors(name: str, values: ArrayLike, least: float, most: float, remedy: str) -> None:
-    """Refuse values outside their range."""
-    array = numbers(name, values)
-    if not np.all((array >= least) & (array <= most)):
-        raise BadInputError(f"{name} must be {least:g} to {most:g}; got {shown(array.tolist())}. {remedy}")
