@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from brake_controller.shoe_friction import CONSTANT
-from products.supervision import BrakedVehicles, BrakeUnits, Steps, SupervisedTrain
+from products.supervision import BrakedVehicles, BrakeUnits, SupervisedTrain
 from products.supervision.of_run import BrakeOfRun, brake_of_run
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist
@@ -156,8 +156,3 @@ def braked_vehicles(consist: Consist, speed: float) -> list[BrakedVehicles]:
         groups.setdefault(key, []).append(one)
     means = [(len(those), *np.mean(those, axis=0)) for those in groups.values()]
     return [BrakedVehicles(count, float(force), float(mass), bool(discs)) for count, force, mass, discs in means]
-
-
-def with_factors(train: SupervisedTrain, dry: float, wet: float) -> SupervisedTrain:
-    """Return a train with one factor for dry and one for wet rails at all speeds."""
-    return replace(train, Kdry_rst=Steps.constant(dry), Kwet_rst=Steps.constant(wet))

@@ -9,10 +9,8 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 from bogie_braking.braking_curves.compute import Found
-from bogie_braking.braking_curves.words import limits_of
+from bogie_braking.braking_curves.pictures import figure_of_causes, figure_of_supervision
 from bogie_braking.common_options import look_for_plotly
-from bogie_braking.reporting.causes_picture import figure_of_causes
-from bogie_braking.reporting.supervision_picture import figure_of_supervision
 from products.etcs_files.osrd import osrd_document
 from products.etcs_files.train_file import write_train
 from readers.command_line import check_folder
@@ -37,61 +35,45 @@ def check_files(chosen: argparse.Namespace) -> None:
         check_folder(path.parent, f"--{option}")
 
 
-def write(chosen: argparse.Namespace, found: Found) -> dict[str, Path]:
+def write(found: Found) -> dict[str, Path]:
     """Write all files; return their paths by the names of their contents."""
+    chosen, data = found.chosen, found.data
     for folder in (chosen.out, *(path.parent for path in (chosen.page, chosen.osrd) if path is not None)):
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
-    paths = {"picture": _picture(chosen, found), "table": _table(chosen, found)}
-    if found.data.safety is not None:
-        paths["causes"] = _causes(chosen, found)
-    paths["train_data"] = _path(chosen, ".json")
-    write_train(paths["train_data"], found.data.train, found.data.dry_by_level, chosen.file.name)
+    # Results of train data, etcs-x.json, do not replace the train's own.
+    stem = chosen.file.stem
+    name = f"{stem}-again" if stem.startswith("etcs-") else f"etcs-{stem}"
+    ends = {"picture": ".png", "table": ".csv", "causes": "-causes.png", "train_data": ".json"}
+    paths = {content: chosen.out / f"{name}{end}" for content, end in ends.items()}
+    _draw(figure_of_supervision(found), paths["picture"])
+    write_whole(paths["table"], _table(found).encode(), "name another folder with --out")
+    if data.safety is not None:
+        _draw(figure_of_causes(data.safety), paths["causes"])
+    else:
+        del paths["causes"]
+    write_train(paths["train_data"], data.train, data.dry_by_level, chosen.file.name)
     if chosen.osrd is not None:
-        write_whole(chosen.osrd, document_text(osrd_document(found.data.train)).encode())
+        write_whole(chosen.osrd, document_text(osrd_document(data.train)).encode())
         paths["osrd"] = chosen.osrd
     if chosen.page is not None:
         from bogie_braking.braking_curves.page import write_page  # with Plotly, an optional dependency
 
-        write_page(chosen, found)
+        write_page(found)
         paths["page"] = chosen.page
     return paths
 
 
-def _path(chosen: argparse.Namespace, end: str) -> Path:
-    """Return the path of a file by its ending; results of train data, etcs-x.json, do not replace the train's own."""
-    out, stem = chosen.out, chosen.file.stem
-    name = f"{stem}-again" if stem.startswith("etcs-") else f"etcs-{stem}"
-    found: Path = out / f"{name}{end}"
-    return found
-
-
-def _picture(chosen: argparse.Namespace, found: Found) -> Path:
-    stops = [(stop.places, stop.speeds) for stop in found.stops]
-    figure = figure_of_supervision(found.many, found.ends, found.gradients, stops)
-    return _saved(figure, _path(chosen, ".png"))
-
-
-def _saved(figure: Figure, path: Path) -> Path:
+def _draw(figure: Figure, path: Path) -> None:
     with writing(path.parent):
         figure.savefig(path, dpi=130)
     plt.close(figure)
-    return path
 
 
-def _table(chosen: argparse.Namespace, found: Found) -> Path:
-    names, many = limits_of(found), found.many
-    head = ",".join(["V_est [km/h]", *(f"{name} [m]" for name in names)])
-    rows = zip(3.6 * many.V_est, *(getattr(many, name) for name in names), strict=True)
-    lines = [head, *(",".join(f"{value:.3f}" for value in row) for row in rows)]
-    path = _path(chosen, ".csv")
-    write_whole(path, ("\n".join(lines) + "\n").encode(), "name another folder with --out")
-    return path
-
-
-def _causes(chosen: argparse.Namespace, found: Found) -> Path:
-    """Write the figure of the causes that lower Kdry_rst."""
-    safety = found.data.safety
-    assert safety is not None
-    figure = figure_of_causes(safety.causes, float(safety.factors[safety.level]), safety.level)
-    return _saved(figure, _path(chosen, "-causes.png"))
+def _table(found: Found) -> str:
+    """Return speeds and places of all limits as CSV."""
+    many = found.many
+    rows = zip(3.6 * many.V_est, *(getattr(many, name) for name in found.limits), strict=True)
+    lines = [",".join(["V_est [km/h]", *(f"{name} [m]" for name in found.limits)])]
+    lines += [",".join(f"{value:.3f}" for value in row) for row in rows]
+    return "\n".join(lines) + "\n"

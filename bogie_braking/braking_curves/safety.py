@@ -13,7 +13,6 @@ from products.supervision import (
     BrakedVehicles,
     Cause,
     OneFailure,
-    Tolerances,
     build_up_of,
     causes_of,
     factors_of,
@@ -26,27 +25,13 @@ from products.train.consist import Consist
 
 @dataclass(frozen=True)
 class Safety:
-    """Factors of a train by its tolerances.
+    """Factors of a train by its tolerances: Kdry_rst and T_brake_emergency [s] of the levels 0 to 9, not rounded."""
 
-    Parameters
-    ----------
-    level : int
-        Confidence level in use.
-    factors, build_up : ndarray
-        Kdry_rst and T_brake_emergency [s] of the levels 0 to 9, shape (10), not rounded.
-    causes : list of Cause
-        Causes at the level, the largest first.
-    failures : list of OneFailure
-        One vehicle without its brake, for each group.
-    vehicles : list of BrakedVehicles
-        The groups.
-    """
-
-    level: int
+    level: int  # in use
     factors: np.ndarray
     build_up: np.ndarray
-    causes: list[Cause]
-    failures: list[OneFailure]
+    causes: list[Cause]  # at the level, the largest first
+    failures: list[OneFailure]  # one vehicle without its brake, for each group
     vehicles: list[BrakedVehicles]
 
 
@@ -55,8 +40,7 @@ def safety_of(path: Path, consist: Consist, speed: float, build_up: float, level
 
     Takes speed [m/s], build_up [s].
     """
-    tolerances: Tolerances = read_tolerances(path)
-    vehicles = braked_vehicles(consist, speed)
+    tolerances, vehicles = read_tolerances(path), braked_vehicles(consist, speed)
     return Safety(
         level,
         factors_of(vehicles, tolerances),
@@ -69,15 +53,15 @@ def safety_of(path: Path, consist: Consist, speed: float, build_up: float, level
 
 def lines_of(safety: Safety) -> list[str]:
     """Return the table of causes, and what one failure costs."""
-    own = safety.factors[safety.level]
-    lines = ["", f"Kdry_rst at level {safety.level} is {own:.3f} before rounding down. Instead it would be"]
-    for one in safety.causes:
-        entry = ENTRIES[one.name]
-        lines.append(f"  {one.without:.3f} ({one.gain:+.3f}) without {one.name}: {100 * one.value:g} %, {entry.text}")
+    factor = safety.factors[safety.level]
+    lines = ["", f"Kdry_rst at level {safety.level} is {factor:.3f} before rounding down. Instead it would be"]
+    for cause in safety.causes:
+        text = f"{100 * cause.value:g} %, {ENTRIES[cause.name].text}"
+        lines.append(f"  {cause.without:.3f} ({cause.gain:+.3f}) without {cause.name}: {text}")
     for failure in safety.failures:
-        group = safety.vehicles[failure.group]
-        text = f"one vehicle of {1e-3 * group.force:.1f} kN unbraked, {100 * failure.share:.1f} % of the brake force"
-        lines.append(f"  {failure.factor:.3f} ({failure.factor - own:+.3f}) with {text}")
+        force = 1e-3 * safety.vehicles[failure.group].force
+        text = f"one vehicle of {force:.1f} kN unbraked, {100 * failure.share:.1f} % of the brake force"
+        lines.append(f"  {failure.factor:.3f} ({failure.factor - factor:+.3f}) with {text}")
     if np.ptp(safety.build_up):
         lines.append(f"T_brake_emergency with delays: {safety.build_up[safety.level]:.2f} s")
     return lines
@@ -90,11 +74,11 @@ def document_of(safety: Safety) -> dict[str, Any]:
         "Kdry_rst": safety.factors.tolist(),
         "T_brake_emergency_s": safety.build_up.tolist(),
         "causes": [
-            {"name": one.name, "value": one.value, "Kdry_rst_without": one.without, "gain": one.gain}
-            for one in safety.causes
+            {"name": cause.name, "value": cause.value, "Kdry_rst_without": cause.without, "gain": cause.gain}
+            for cause in safety.causes
         ],
         "one_vehicle_unbraked": [
-            {"force_N": safety.vehicles[one.group].force, "share": one.share, "Kdry_rst": one.factor}
-            for one in safety.failures
+            {"force_N": safety.vehicles[failure.group].force, "share": failure.share, "Kdry_rst": failure.factor}
+            for failure in safety.failures
         ],
     }

@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-import argparse
 from typing import Any
 
 import numpy as np
 
-from bogie_braking.braking_curves.compute import Found
+from bogie_braking.braking_curves.compute import LIMITS, Found
+from bogie_braking.braking_curves.pictures import message_of_stops
 from bogie_braking.braking_curves.safety import document_of, lines_of
-from bogie_braking.reporting.supervision_picture import message_of_stops
 from products.supervision import Steps
 
-#: Limits in the order in which they are met.
-LIMITS = ("I", "P", "W", "SBI", "EBI", "EBD")
-#: Limits of some targets and countries alone.
-OTHERS = ("GUI", "SBI1", "SBI2", "SBD")
 #: Speed above that of the train up to which a step acts on its limits [m/s]: error of the speed, and acceleration.
 REACH = 20.0 / 3.6
 TIMES = ("T_brake_emergency", "T_brake_service")
 
 
-def document(chosen: argparse.Namespace, found: Found) -> dict[str, Any]:
+def document(found: Found) -> dict[str, Any]:
     """Return what --json prints."""
-    data, few = found.data, found.few
-    train = data.train
+    chosen, data, few, train = found.chosen, found.data, found.few, found.data.train
+    by_decelerations = train.position is None
     return {
         "train": {
             "length_m": float(np.asarray(train.length)),
@@ -35,21 +30,22 @@ def document(chosen: argparse.Namespace, found: Found) -> dict[str, Any]:
             "brake_percentage": None if data.consist is None else data.consist.percentage,
             "M_BRAKE_PERCENTAGE": None if train.percentage is None else float(np.asarray(train.percentage)),
             "Kdry_rst": _levels_of(found),
-            "Kdry_rst_in_use": None if train.position is not None else _steps(train.Kdry_rst, "values"),
-            "Kwet_rst_in_use": None if train.position is not None else _steps(train.Kwet_rst, "values"),
+            "Kdry_rst_in_use": _steps(train.Kdry_rst, "values") if by_decelerations else None,
+            "Kwet_rst_in_use": _steps(train.Kwet_rst, "values") if by_decelerations else None,
             "level": train.level,
         },
         "safety": None if data.safety is None else document_of(data.safety),
         "target": {"kind": found.kind, "place_m": chosen.target, "speed_kmh": chosen.target_speed},
         "baseline": chosen.baseline,
         "M_NVEBCL": found.country.M_NVEBCL,
-        "without_effect": list(found.without_effect),
+        "without_effect": found.without_effect,
         "rounding": {move.name: {"most": move.most, "unit": move.unit} for move in found.moves},
         "rounded_limits_m": {
-            one.name: {"nearer_to_target": one.nearer, "further_from_target": one.further} for one in found.shifts
+            shift.name: {"nearer_to_target": shift.nearer, "further_from_target": shift.further}
+            for shift in found.shifts
         },
         "V_est_kmh": (3.6 * few.V_est).tolist(),
-        "limits_m": {name: getattr(few, name).tolist() for name in limits_of(found)},
+        "limits_m": {name: getattr(few, name).tolist() for name in found.limits},
         "own_stops_m": [stop.ends for stop in found.stops],
         "ends_m": found.ends,
         "line_m": None if found.covered is None else list(found.covered),
@@ -57,54 +53,58 @@ def document(chosen: argparse.Namespace, found: Found) -> dict[str, Any]:
     }
 
 
-def limits_of(found: Found) -> list[str]:
-    """Return the names of the limits that the target has."""
-    return [*LIMITS, *(name for name in OTHERS if getattr(found.few, name) is not None)]
+def _steps(steps: Steps, name: str = "m_s2") -> dict[str, list[float]]:
+    return {
+        "boundaries_kmh": [round(3.6 * speed, 3) for speed in steps.boundaries.tolist()],
+        name: [round(value, 4) for value in steps.values.tolist()],
+    }
 
 
-def text(chosen: argparse.Namespace, found: Found) -> list[str]:
+def text(found: Found) -> list[str]:
     """Return the lines that are printed."""
-    few = found.few
-    names = [*LIMITS, *(["GUI"] if few.GUI is not None else []), *(["own stop"] if found.stops else [])]
+    limits = [*LIMITS, *(["GUI"] if found.few.GUI is not None else [])]
+    heads = [*limits, *(["own stop"] if found.stops else [])]
     lines = [
-        *_lines_of_train(chosen, found),
-        *lines_of_target(chosen, found),
+        *_lines_of_train(found),
+        *lines_of_target(found),
         "",
-        f"Distance before {name_of_end(chosen, found)}, {found.ends:g} m [m]",
-        "V_est [km/h]" + "".join(f"{name:>10}" for name in names),
+        title_of_distances(found),
+        "V_est [km/h]" + "".join(f"{head:>10}" for head in heads),
     ]
-    for n, speed in enumerate(few.V_est):
-        places = [found.stops[n].ends if name == "own stop" else float(getattr(few, name)[n]) for name in names]
-        lines.append(f"{3.6 * speed:12.1f}" + "".join(f"{found.ends - place:10.1f}" for place in places))
+    for speed, *before in found.distances(limits):
+        lines.append(f"{speed:12.1f}" + "".join(f"{distance:10.1f}" for distance in before))
     if found.stops:
-        stops = [(stop.places, stop.speeds) for stop in found.stops]
-        lines += ["", f"{message_of_stops(found.ends, stops)}."]
+        lines += ["", f"{message_of_stops(found)}."]
     if found.release_speed is not None:
         lines += ["", f"Release speed {3.6 * found.release_speed:.0f} km/h"]
     return lines
 
 
-def _lines_of_train(chosen: argparse.Namespace, found: Found) -> list[str]:
-    data = found.data
-    train, runs = data.train, data.runs
+def title_of_distances(found: Found) -> str:
+    """Return the title of the table of distances before the place that no train may pass."""
+    end = "the supervised location" if found.chosen.beyond else "the target"
+    return f"Distance before {end}, {found.ends:g} m [m]"
+
+
+def _lines_of_train(found: Found) -> list[str]:
+    data, train = found.data, found.data.train
     lines = [
-        f"{chosen.file}: {train_words(found)}",
+        f"{found.chosen.file}: {train_words(found)}",
         ", ".join(f"{name} {float(getattr(train, name)):.2f} s" for name in TIMES),
-        *_lines_of_steps("A_brake_emergency", train.A_brake_emergency),
-        *_lines_of_steps("A_brake_service", train.A_brake_service),
+        f"A_brake_emergency [m/s2]: {steps_words(train.A_brake_emergency)}",
+        f"A_brake_service [m/s2]: {steps_words(train.A_brake_service)}",
     ]
-    if runs is not None:
-        lines.append(f"Steps add {100 * runs.emergency.loss:.1f} % to the braking distance of the run.")
-    lines += _lines_of_factors(found)
+    if data.runs is not None:
+        lines.append(f"Steps add {100 * data.runs.emergency.loss:.1f} % to the braking distance of the run.")
+    if train.position is None:
+        lines += _lines_of_factors(found)
     if data.safety is not None:
         lines += lines_of(data.safety)
         if not data.dry_by_level:
             lines.append("Train data have Kdry_rst of this level alone: T_brake_emergency depends on the level.")
     if found.moves:
-        moved = ", ".join(f"{move.name} by {move.most:.2g} {move.unit}".replace(" 1,", ",") for move in found.moves)
-        lines.append(
-            f"Rounded to the safe side, at most: {moved.removesuffix(' 1')}. Between whole km/h the lower step counts."
-        )
+        moved = ", ".join(f"{move.name} by {move.most:.2g} {move.unit}".removesuffix(" 1") for move in found.moves)
+        lines.append(f"Rounded to the safe side, at most: {moved}. Between whole km/h the lower step counts.")
     if found.shifts:
         lines.append(shift_words(found))
     return lines
@@ -112,13 +112,16 @@ def _lines_of_train(chosen: argparse.Namespace, found: Found) -> list[str]:
 
 def shift_words(found: Found) -> str:
     """Return how far rounding moved the limits: away from the target is the safe side."""
-    further = max(one.further for one in found.shifts)
+    further = max(shift.further for shift in found.shifts)
     words = f"By rounding, limits lie up to {further:.1f} m further from the target, the safe side"
-    near = [one for one in found.shifts if one.nearer]
+    near = ", ".join(
+        f"{shift.name} up to {shift.nearer:.2g} m (to {3.6 * shift.below:.0f} km/h)"
+        for shift in found.shifts
+        if shift.nearer
+    )
     if not near:
         return f"{words}. None lies nearer to it."
-    each = ", ".join(f"{one.name} up to {one.nearer:.2g} m (to {3.6 * one.below:.0f} km/h)" for one in near)
-    return f"{words}. On the unsafe side, nearer to it: {each}. Their curves continue behind a moving target."
+    return f"{words}. On the unsafe side, nearer to it: {near}. Their curves continue behind a moving target."
 
 
 def _levels_of(found: Found) -> list[float] | None:
@@ -127,21 +130,19 @@ def _levels_of(found: Found) -> list[float] | None:
     if data.factors is not None:
         levels: list[float] = data.factors.tolist()
         return levels
-    if not data.dry_by_level or any(np.ptp(one.values) for one in data.dry_by_level):
+    if not data.dry_by_level or any(np.ptp(steps.values) for steps in data.dry_by_level):
         return None
-    return [float(one.values[0]) for one in data.dry_by_level]
+    return [float(steps.values[0]) for steps in data.dry_by_level]
 
 
 def _lines_of_factors(found: Found) -> list[str]:
-    """Return the factors of all levels and those in use; none for a brake percentage, or if all are 1."""
+    """Return the factors of all levels and those in use; none if all are 1."""
     train, levels, lines = found.data.train, _levels_of(found), []
-    if train.position is not None:
-        return []
     if levels is not None:
         kind = ", rounded down" if found.data.factors is not None else ""
         each = " ".join(f"{factor:.2f}" for factor in levels)
         lines.append(f"Kdry_rst of levels 0 to 9{kind}: {each}; in use: level {train.level}")
-    if levels is None and (train.level is not None or np.any(train.Kdry_rst.values != 1.0)):
+    elif train.level is not None or np.any(train.Kdry_rst.values != 1.0):
         of = "" if train.level is None else f" of level {train.level}"
         lines.append(f"Kdry_rst in use{of}: {steps_words(train.Kdry_rst)}")
     if np.any(train.Kwet_rst.values != 1.0):
@@ -149,14 +150,13 @@ def _lines_of_factors(found: Found) -> list[str]:
     return lines
 
 
-def lines_of_target(chosen: argparse.Namespace, found: Found) -> list[str]:
+def lines_of_target(found: Found) -> list[str]:
     """Return what the target, the line and the country leave out."""
     lines = []
     if found.kind != "EOA":
         kind = {"LOA": "a limit of authority", "MRSP": "a lower permitted speed"}[found.kind]
-        lines.append(
-            f"The target is {kind} of {chosen.target_speed:g} km/h ({found.kind}); own stops need an end of authority."
-        )
+        of = f"{found.chosen.target_speed:g} km/h ({found.kind})"
+        lines.append(f"The target is {kind} of {of}; own stops need an end of authority.")
     if found.without_effect:
         lines.append(f"Without effect on this train: {', '.join(found.without_effect)}.")
     lines += _boundaries_beyond(found)
@@ -173,18 +173,12 @@ def lines_of_target(chosen: argparse.Namespace, found: Found) -> list[str]:
 
 def _boundaries_beyond(found: Found) -> list[str]:
     """Return the step functions of train data whose boundaries are all above the speeds of the limits, as in km/h."""
-    train, fastest = found.data.train, float(found.many.V_est.max())
-    if train.position is not None:
-        return []
-    beyond = {}
+    train, fastest, beyond = found.data.train, float(found.many.V_est.max()), []
     for name in ("A_brake_emergency", "A_brake_service", "Kdry_rst", "Kwet_rst"):
-        steps: Steps = getattr(train, name)
-        first = float(steps.boundaries.min(initial=np.inf))
-        if fastest + REACH < first < np.inf:
-            beyond[name] = f"{name} from {3.6 * first:.0f} km/h"
-    if not beyond:
-        return []
-    return [f"Steps begin above all speeds here, {3.6 * fastest:.0f} km/h: {', '.join(beyond.values())}."]
+        first = float(getattr(train, name).boundaries.min(initial=np.inf))
+        if train.position is None and fastest + REACH < first < np.inf:
+            beyond.append(f"{name} from {3.6 * first:.0f} km/h")
+    return [f"Steps begin above all speeds here, {3.6 * fastest:.0f} km/h: {', '.join(beyond)}."] if beyond else []
 
 
 def train_words(found: Found) -> str:
@@ -202,33 +196,15 @@ def train_words(found: Found) -> str:
     return words
 
 
-def name_of_end(chosen: argparse.Namespace, found: Found) -> str:
-    """Return the name of the place that no train may pass."""
-    return "the target" if found.ends == chosen.target else "the supervised location"
-
-
-def _lines_of_steps(name: str, steps: Steps) -> list[str]:
-    return [f"{name} [m/s2]: {steps_words(steps)}"]
-
-
 def steps_words(steps: Steps, unit: str = "km/h", scale: float = 3.6) -> str:
     """Return the steps of a function in words; scale: from the boundaries to their unit."""
     changes = np.diff(steps.values) != 0.0
     if not changes.any():
         return f"{steps.values[0]:.3f}"
-    ends = [*(scale * steps.boundaries[changes]).tolist(), float("inf")]
+    ends = (scale * steps.boundaries[changes]).tolist()
     values = steps.values[np.append(changes, True)].tolist()
-    begins = [0.0, *ends]
+    wide = np.diff(ends, prepend=0.0) > 0.0
     parts = [
-        f"{value:.3f} " + (f"to {end:.0f} {unit}" if end < 1e9 else "above")
-        for begin, end, value in zip(begins, ends, values, strict=False)
-        if end > begin
+        f"{value:.3f} to {end:.0f} {unit}" for value, end, is_wide in zip(values, ends, wide, strict=False) if is_wide
     ]
-    return ", ".join(parts)
-
-
-def _steps(steps: Steps, name: str = "m_s2") -> dict[str, list[float]]:
-    return {
-        "boundaries_kmh": [round(3.6 * one, 3) for one in steps.boundaries.tolist()],
-        name: [round(one, 4) for one in steps.values.tolist()],
-    }
+    return ", ".join([*parts, f"{values[-1]:.3f} above"])

@@ -48,11 +48,11 @@ def run(chosen: argparse.Namespace) -> int:
 
     check_files(chosen)
     found = compute(chosen)
-    paths = write(chosen, found)
+    paths = write(found)
     if chosen.json:
-        print(json.dumps(document(chosen, found) | {name: str(path) for name, path in paths.items()}, indent=2))
+        print(json.dumps(document(found) | {name: str(path) for name, path in paths.items()}, indent=2))
     elif not chosen.quiet:
-        print("\n".join(text(chosen, found)), end="\n\n")
+        print("\n".join(text(found)), end="\n\n")
         for name, path in paths.items():
             print(f"{name.replace('_', ' ') + ':':<11} {path}")
     return HOLDS if all(stop.ends <= found.ends for stop in found.stops) else DOES_NOT_HOLD

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fmu_src.suggestion import suggestion
+from products.etcs_files.osrd import osrd_train_of
 from products.supervision.arguments import all_of_type, path_of
 from products.supervision.conversion import BRAKE_POSITIONS
 from products.supervision.steps import Steps
@@ -135,6 +136,17 @@ def read_train(path: str | Path) -> EtcsTrain:
     """
     path = path_of(path)
     return train_of(document(text_of(path, LARGEST).encode(), str(path)), str(path))
+
+
+def etcs_train_in(path: Path) -> EtcsTrain | None:
+    """Return the train data in a file, of this format or of a rolling stock of OSRD; None if it has none."""
+    if path.suffix.lower() != ".json":
+        return None
+    read = document(text_of(path, LARGEST).encode(), str(path))
+    if isinstance(read, dict) and "format" in read:
+        return train_of(read, str(path))
+    train = osrd_train_of(read, str(path))
+    return None if train is None else EtcsTrain(train, (), "etcs_brake_params of OSRD")
 
 
 def train_of(read: Any, source: str) -> EtcsTrain:

@@ -165,25 +165,25 @@ def test_the_text_states_what_the_numbers_leave_out(tmp_path: Path) -> None:
     words = (str(path), "--target", "2000", "--national", str(country), "--line", str(line), "--target-speed", "40")
     chosen = parsed(*words)
     found = compute(chosen)
-    lines = text(chosen, found)
+    lines = text(found)
     assert any(re.search("Kdry_rst of levels 0 to 9: 1.00 .* 0.55; in use: level 6", one) for one in lines)
     assert "Kwet_rst in use: 0.900" in lines
     silent = "M_NVKTINT (it corrects brake percentages), Q_NVGUIPERM (no A_brake_normal_service)"
     assert f"Without effect on this train: {silent}." in lines
     assert any(one.startswith("The line has rows from 1500 to 8000 m; the limits need it from ") for one in lines)
     assert any("limit of authority of 40 km/h (LOA); own stops need an end of authority" in one for one in lines)
-    assert document(chosen, found)["train"]["Kdry_rst_in_use"]["values"] == [0.7]
+    assert document(found)["train"]["Kdry_rst_in_use"]["values"] == [0.7]
     line.write_text("distance,curvature,cant,gradient\n0,0,0,0\n8000,0,0,0\n")
-    assert not any(one.startswith("The line has rows") for one in text(chosen, compute(chosen)))
+    assert not any(one.startswith("The line has rows") for one in text(compute(chosen)))
     line.write_text("distance,gradient\n0,0\n8000,0\n")
     with pytest.raises(BadInputError, match="the columns curvature, cant are missing"):
         compute(chosen)
     seven = Steps([100.4], [1.0, 0.9])  # 361 km/h, if 100.4 km/h was meant
     write_train(path, SupervisedTrain(203.4, seven, one, 2.4, 2.4, Kwet_rst=Steps([30.0], [1.0, 0.9])))
-    told = text(parsed(str(path), "--target", "2000"), computed(str(path), "--target", "2000"))
+    told = text(computed(str(path), "--target", "2000"))
     assert "Steps begin above all speeds here, 120 km/h: A_brake_emergency from 361 km/h." in told
     late = replace(found, stops=[OwnStop(np.array([1500.0, 2039.0]), np.array([30.0, 0.0]))] * 8)
-    assert "8 of 8 own stops pass the target, 39.0 m at most." in text(chosen, late)
+    assert "8 of 8 own stops pass the target, 39.0 m at most." in text(late)
 
 
 def test_each_option_has_its_effect(tmp_path: Path) -> None:
@@ -228,7 +228,7 @@ def test_the_side_to_which_rounding_moves_limits_is_told(tmp_path: Path) -> None
     path, most = tmp_path / "train.json", 120.0 / 3.6
     write_train(path, SupervisedTrain(200.0, Steps.constant(1.009), Steps.constant(0.8), 2.4, 2.4))
     words = (str(path), "--target", "2000", "--rounded")
-    assert "None lies nearer to it." in " ".join(text(parsed(*words), computed(*words)))
+    assert "None lies nearer to it." in " ".join(text(computed(*words)))
     moving = (*words, "--target-speed", "36")
     found = computed(*moving)
     [of] = [one for one in found.shifts if one.name == "EBD"]
@@ -236,8 +236,8 @@ def test_the_side_to_which_rounding_moves_limits_is_told(tmp_path: Path) -> None
     assert of.nearer == pytest.approx((foot**2 - slowest**2) / 2.0 * (1.0 - 1.0 / 1.009), rel=1e-9)
     assert of.further == pytest.approx((most**2 - foot**2) / 2.0 * (1.0 - 1.0 / 1.009), rel=1e-9)
     assert slowest < of.below < foot
-    assert "On the unsafe side, nearer to it: " in " ".join(text(parsed(*moving), found))
-    assert document(parsed(*moving), found)["rounded_limits_m"]["EBD"]["nearer_to_target"] == of.nearer
+    assert "On the unsafe side, nearer to it: " in " ".join(text(found))
+    assert document(found)["rounded_limits_m"]["EBD"]["nearer_to_target"] == of.nearer
 
 
 def test_the_numbers_of_a_train_lose_less_than_a_second_of_its_build_up() -> None:
