@@ -294,55 +294,44 @@ static void find_commands(arrays_object *self, double speed, double to) {
 enum { STEP_FUNCTIONS = 4 };
 static const int BOUNDARIES[STEP_FUNCTIONS] = {A_BRAKE_EMERGENCY_SPEED, A_BRAKE_SERVICE_SPEED, KDRY_RST_SPEED, KWET_RST_SPEED};
 
-static const char *boundaries_wrong(const arrays_object *self) {
-    for (int k = 0; k < STEP_FUNCTIONS; ++k)
-        for (int n = FIRST_OF[BOUNDARIES[k]] + 1; n < FIRST_OF[BOUNDARIES[k] + 1]; ++n)
-            if (!(self->now.value[n] >= self->now.value[n - 1])) return ARRAYS_ABOUT[BOUNDARIES[k]].name;
-    return NULL;
-}
-
-/* The first boundary that is used and above FASTEST_BOUNDARY [m/s], or 0; name: of its steps. */
-static double too_fast(const arrays_object *self, const char **name) {
+/* Write why the boundaries of steps cannot be meant; false if all can. */
+static bool is_wrong_step(const arrays_object *self, char problem[MESSAGE_SIZE]) {
     for (int k = 0; k < STEP_FUNCTIONS; ++k)
         for (int n = FIRST_OF[BOUNDARIES[k]]; n < FIRST_OF[BOUNDARIES[k] + 1]; ++n) {
-            *name = ARRAYS_ABOUT[BOUNDARIES[k]].name;
-            if (self->now.value[n] > FASTEST_BOUNDARY && self->now.value[n] < UNUSED_BOUNDARY) return self->now.value[n];
+            const char *name = ARRAYS_ABOUT[BOUNDARIES[k]].name;
+            const double speed = self->now.value[n];
+            if (n > FIRST_OF[BOUNDARIES[k]] && !(speed >= self->now.value[n - 1]))
+                print_text(problem, MESSAGE_SIZE, "%s must ascend; got a lower boundary after a higher one. Sort the steps.",
+                           name);
+            else if (speed > FASTEST_BOUNDARY && speed < UNUSED_BOUNDARY)
+                print_text(problem, MESSAGE_SIZE,
+                           "%s must be at most %g m/s, or %g if it is not used; got %g. Give m/s, not km/h.", name,
+                           FASTEST_BOUNDARY, UNUSED_BOUNDARY, speed);
+            else continue;
+            return true;
         }
-    return 0.0;
-}
-
-/* Write why a parameter cannot be meant in its unit; false if all can. */
-static bool is_of_other_unit(const arrays_object *self, char problem[MESSAGE_SIZE]) {
-    const char *name = "";
-    const double fast = too_fast(self, &name), rotating = given(self, M_ROTATING_NOM);
-    if (fast > 0.0)
-        print_text(problem, MESSAGE_SIZE, "%s must be at most %g m/s, or %g if it is not used; got %g. Give m/s, not km/h.",
-                   name, FASTEST_BOUNDARY, UNUSED_BOUNDARY, fast);
-    else if (rotating > 0.0 && rotating < SMALLEST_ROTATING)
-        print_text(problem, MESSAGE_SIZE, "M_rotating_nom must be at most 0, or at least %g %%; got %g. Give 10 for 10 %%.",
-                   SMALLEST_ROTATING, rotating);
-    else return false;
-    return true;
+    return false;
 }
 
 /* Write why numbers do not go together; false if they do. */
 static bool is_wrong(const arrays_object *self, char problem[MESSAGE_SIZE]) {
-    const char *steps = boundaries_wrong(self);
     const bool eoa = given(self, TARGET_KIND) == EOA;
-    if (steps)
-        print_text(problem, MESSAGE_SIZE, "%s must ascend; got a lower boundary after a higher one. Sort the steps.", steps);
-    else if (eoa && given(self, V_TARGET) > 0.0)
+    const double beyond = given(self, BEYOND), release = given(self, V_RELEASE), rotating = given(self, M_ROTATING_NOM);
+    if (is_wrong_step(self, problem)) return true;
+    if (eoa && given(self, V_TARGET) > 0.0)
         print_text(problem, MESSAGE_SIZE,
                    "V_target must be 0 m/s at an end of authority (EOA); got %g m/s. Set target_kind to 2 or 3.",
                    given(self, V_TARGET));
-    else if (!eoa && (given(self, BEYOND) != 0.0 || given(self, V_RELEASE) != 0.0))
+    else if (!eoa && (beyond != 0.0 || release != 0.0))
         print_text(problem, MESSAGE_SIZE, "%s must be 0 unless target_kind is 1, an end of authority (EOA); got %g.",
-                   given(self, BEYOND) != 0.0 ? "beyond" : "V_release",
-                   given(self, BEYOND) != 0.0 ? given(self, BEYOND) : given(self, V_RELEASE));
+                   beyond != 0.0 ? "beyond" : "V_release", beyond != 0.0 ? beyond : release);
     else if (self->starts && given(self, GRADIENT) != 0.0)
         print_text(problem, MESSAGE_SIZE, "gradient must be 0 in an FMU with a line, which has the gradients; got %g.",
                    given(self, GRADIENT));
-    else return is_of_other_unit(self, problem);
+    else if (rotating > 0.0 && rotating < SMALLEST_ROTATING)
+        print_text(problem, MESSAGE_SIZE, "M_rotating_nom must be at most 0, or at least %g %%; got %g. Give 10 for 10 %%.",
+                   SMALLEST_ROTATING, rotating);
+    else return false;
     return true;
 }
 

@@ -31,20 +31,17 @@ STEP, STOP = 0.1, 100.0
 @lru_cache
 def curves_in_c() -> ArraysInC:
     """Return the C object of the curves, with its variables."""
-    own = {
-        name: (FOLDER / name).read_text(encoding="utf-8")
-        for name in ("curves_fmu.c", "braking_arcs.c", "braking_arcs.h")
-    }
-    own["curves_arrays.h"] = _header()
+    names = ("curves_fmu.c", "braking_arcs.c", "braking_arcs.h")
+    own = {name: (FOLDER / name).read_text(encoding="utf-8") for name in names} | {"curves_arrays.h": _header()}
     about = "Supervision of a train towards a target by ETCS: limits of SUBSET-026, 3.13, and commands of the brakes"
-    return ArraysInC(NAME, about, tuple(entry.variable for entry in every()), own, starts_alone=False)
+    return ArraysInC(NAME, about, tuple(variable for variable, _ in every()), own, starts_alone=False)
 
 
 def _header() -> str:
-    entries = every()
-    names = ", ".join(entry.variable.name.upper() for entry in entries)
-    places = np.cumsum([0, *(len(entry.starts) for entry in entries)]).tolist()
-    starts = ", ".join(c_number(start) for entry in entries for start in entry.starts)
+    variables = every()
+    names = ", ".join(variable.name.upper() for variable, _ in variables)
+    places = np.cumsum([0, *(len(starts) for _, starts in variables)]).tolist()
+    numbers = ", ".join(c_number(start) for _, starts in variables for start in starts)
     constants = {
         "MOST_GRADIENTS": MOST_GRADIENTS,
         "STEEPEST": STEEPEST,
@@ -55,36 +52,32 @@ def _header() -> str:
         "FASTEST_BOUNDARY": FASTEST_BOUNDARY,
         "SMALLEST_ROTATING": A_SHARE,
     }
-    return "\n".join(
-        [
-            "/* Numbers of the variables, and where the elements of each begin. */",
-            f"enum {{ {names}, ARRAYS_MOST, VALUES = {places[-1]} }};",
-            f"static const int FIRST_OF[] = {{{', '.join(map(str, places))}}};",
-            f"static const double STARTS[] = {{{starts}}};",
-            *(f"#define {name} {value!r}" for name, value in constants.items()),
-            "",
-        ]
-    )
+    lines = [
+        "/* Numbers of the variables, and where the elements of each begin. */",
+        f"enum {{ {names}, ARRAYS_MOST, VALUES = {places[-1]} }};",
+        f"static const int FIRST_OF[] = {{{', '.join(map(str, places))}}};",
+        f"static const double STARTS[] = {{{numbers}}};",
+        *(f"#define {name} {value!r}" for name, value in constants.items()),
+    ]
+    return "\n".join(lines) + "\n"
 
 
 def build_curves_fmu(
     path: Path, version: int = 3, gradients: Gradients | None = None, *, all_platforms: bool = False
 ) -> None:
     """Write the FMU, for FMI 2 or 3."""
-    _check(gradients)
-    given, entries = curves_in_c(), every()
-    lengths = [len(entry.starts) for entry in entries]
-    rows = [] if gradients is None else [*gradients.starts, *gradients.permille]
-    numbers = np.array([len(rows) // 2, *rows], "<f8")
-    data = {"gradients.bin": numbers.tobytes()}
-    of = Lengths(lengths, [entry.starts for entry in entries], STEP, STOP, data)
+    given, starts = curves_in_c(), [starts for _, starts in every()]
+    rows: list[float] = []
+    if gradients is not None:
+        _check(gradients)
+        rows = [*gradients.starts, *gradients.permille]
+    data = {"gradients.bin": np.array([len(rows) // 2, *rows], "<f8").tobytes()}
+    of = Lengths([len(one) for one in starts], starts, STEP, STOP, data)
     files = {"documentation/licenses/license.txt": license_text()}
     build_arrays_fmu(given, of, path, version, binaries_of(given, version, all_platforms), files)
 
 
-def _check(gradients: Gradients | None) -> None:
-    if gradients is None:
-        return
+def _check(gradients: Gradients) -> None:
     if gradients.starts.size > MOST_GRADIENTS:
         raise BadInputError(
             f"A line of {NAME}.fmu must have at most {MOST_GRADIENTS} gradients; got {gradients.starts.size}. "
