@@ -85,14 +85,9 @@ def braking_arcs(
     foot = np.broadcast_to(np.asarray(place, dtype=float), shape), np.broadcast_to(np.square(speed), shape)
     slower, faster = walk.from_foot(*foot, -1), walk.from_foot(*foot, +1)
     # Walked to rest, an arc is between its start and the next one: its lowest speed is at the next one.
-    places, squares = (np.stack([one[n] for one in slower][::-1], axis=-1) for n in (0, 1))
-    brakes_to_rest = np.stack([one[2] for one in slower][-2::-1], axis=-1)
-    ahead = [np.stack([one[n] for one in faster[:-1]], axis=-1) for n in range(3)]
-    return Arcs(
-        np.concatenate([places[..., :-1], ahead[0]], axis=-1),
-        np.concatenate([squares[..., :-1], ahead[1]], axis=-1),
-        np.concatenate([brakes_to_rest, ahead[2]], axis=-1),
-    )
+    ends, arcs = slower[:0:-1], faster[:-1]
+    places, squares = (np.stack([arc[n] for arc in (*ends, *arcs)], axis=-1) for n in (0, 1))
+    return Arcs(places, squares, np.stack([arc[2] for arc in (*slower[-2::-1], *arcs)], axis=-1))
 
 
 def _slopes_of(gradients: object) -> tuple[np.ndarray, np.ndarray]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,6 @@ import numpy as np
 from products.supervision.arcs import Arcs, Eased, braking_arcs
 from products.supervision.arguments import check_shapes, name_among, numbers, of_type, switch
 from products.supervision.conversion import FASTEST, KMH
-from products.supervision.feedback import service_times
 from products.supervision.gradients import Gradients, acceleration_by
 from products.supervision.steps import Steps
 from products.supervision.train import SupervisedTrain, check_train
@@ -20,8 +19,6 @@ from readers.text import BadInputError, shown
 
 #: Kinds of targets: the end of authority, a limit of authority, a lower speed of the most restrictive speed profile.
 KINDS = ("EOA", "LOA", "MRSP")
-#: Remedy for gradients of another type.
-GIVE_GRADIENTS = "Give Gradients(starts, permille)."
 #: Largest speeds [m/s], 600 km/h as in the packets of SUBSET-026, 7.5.1, and accelerations [m/s2].
 LARGEST = {
     "V_est": (600.0 * KMH, "m/s", "Give m/s: 100 / 3.6 for 100 km/h."),
@@ -29,6 +26,10 @@ LARGEST = {
     "V_ura": (600.0 * KMH, "m/s", "Give m/s: 2 / 3.6 for 2 km/h."),
     "A_est": (10.0, "m/s2", "Give m/s2."),
 }
+#: Falls of the brake pipe's pressure at which the brake begins, at which times are locked, and of a full service brake
+#: [Pa], A.3.10.4; locked times of SBI1 and SBI2 [s].
+BEGINS, LOCKS, FULL = 30e3, 60e3, 150e3
+LOCKED_1, LOCKED_2 = 0.0, 2.0
 #: Largest acceleration that counts while the brake builds up [m/s2], 3.13.9.3.2.9.
 BUILDING_UP = 0.4
 #: Largest estimated speed of a train by its brake percentage [m/s]: 200 km/h, and the margin of the emergency brake.
@@ -100,45 +101,47 @@ def supervise(
     check_train(train)
     national, fixed, gradients = checked_values(national, fixed, gradients)
     switch("slippery", slippery)
-    others = {"V_est": V_est, "place": place, "A_est": A_est, "pipe_fall": pipe_fall}
-    _check(kind, target_speed, beyond, **others, V_ura=0.0 if V_ura is None else V_ura)
-    speeds = np.atleast_1d(np.asarray(V_est, dtype=float))
-    of_trains = {"place": place, "target_speed": target_speed, "beyond": beyond, "A_est": A_est, "pipe_fall": pipe_fall}
-    _check_shapes(train, speeds, V_ura, **of_trains)
-    _check_converted(train, speeds)
-    _check_target(target_speed, speeds)
+    of_trains = {"target_speed": target_speed, "beyond": beyond, "place": place, "A_est": A_est, "pipe_fall": pipe_fall}
+    speeds = _checked_speeds(train, kind, V_est, V_ura, of_trains)
     target, foot = np.asarray(target_speed, dtype=float), np.asarray(place, dtype=float)
-    slopes = _slopes(train, gradients)
-    if kind == "EOA":
-        emergency = braking_arcs(foot + beyond, 0.0, train.safe_brake(national, slippery), slopes)
-    else:
-        emergency = braking_arcs(foot, target + fixed.dV_ebi(target), train.safe_brake(national, slippery), slopes)
+    edges, permille = gradients.lowest_under(train.length)
+    slopes = edges, acceleration_by(permille, train.rotating)
+    end, end_speed = (foot + beyond, target) if kind == "EOA" else (foot, target + fixed.dV_ebi(target))
+    emergency = braking_arcs(end, end_speed, train.safe_brake(national, slippery), slopes)
     T_be, T_bs = (time[..., None] for time in map(np.asarray, train.build_up_times(national, target)))
     if V_ura is None and national.exact_speed:
         V_ura = 0.0
     error = speed_inaccuracy(speeds) if V_ura is None else np.asarray(V_ura, dtype=float)
     accelerates = np.asarray(A_est, dtype=float)[..., None]
-    T_bs1, T_bs2 = service_times(T_bs, train, np.asarray(pipe_fall, dtype=float)[..., None], national.feedback)
+    T_bs1, T_bs2 = _service_times(T_bs, train, np.asarray(pipe_fall, dtype=float)[..., None], national.feedback)
     to_brake = _ToBrake.of(train, emergency, T_be, T_bs2 + fixed.T_warning)
     EBI = to_brake.begins(speeds, target[..., None], error, accelerates)
-    SBI2, SBD, SBI1 = EBI - speeds * T_bs2, None, None
+    SBI = SBI2 = EBI - speeds * T_bs2
+    SBD = SBI1 = GUI = None
     if kind == "EOA":
         SBD = braking_arcs(foot, 0.0, train.A_brake_service, slopes).place_at(speeds)
         SBI1 = SBD - speeds * T_bs1
-    SBI = SBI2 if SBI1 is None else np.minimum(SBI1, SBI2)
-    P, GUI = SBI - speeds * fixed.T_driver, None
+        SBI = np.minimum(SBI1, SBI2)
+    P = SBI - speeds * fixed.T_driver
     if national.guidance and train.A_brake_normal_service is not None:
         start = foot
         if kind != "EOA":  # P at the target speed, 3.13.9.3.5.9
             at_target = target[..., None]
             still = to_brake.begins(at_target, at_target, predicted_error(V_ura, at_target), 0.0)
             start = (still - at_target * (T_bs2 + fixed.T_driver))[..., 0]
-        GUI = _guidance(train, start, target, gradients).place_at(speeds)
+        # On boundaries of their own: the walk finds all three by one number of a step.
+        every = (train.A_brake_normal_service, train.Kn_plus, train.Kn_minus)
+        brake, up, down = (Steps.constant(0.0).with_others(_nth(n), *every) for n in range(len(every)))
+        GUI = braking_arcs(start, target, brake, slopes, Eased(up, down, permille)).place_at(speeds)
         P = np.minimum(P, GUI)
     share = 0.0 if train.service_feedback and national.feedback else 0.8  # 3.13.9.3.6
     T_indication = np.maximum(share * T_bs, fixed.T_indication_least) + fixed.T_indication_more
     EBD = emergency.place_at(speeds)
     return Curves(speeds, EBD, EBI, SBI2, SBI - speeds * fixed.T_warning, P, P - speeds * T_indication, SBD, SBI1, GUI)
+
+
+def _nth(number: int) -> Callable[..., np.ndarray]:
+    return lambda zero, *values: values[number] + zero
 
 
 def predicted_error(V_ura: np.ndarray | float | None, speed: np.ndarray | float) -> np.ndarray:
@@ -150,63 +153,70 @@ def predicted_error(V_ura: np.ndarray | float | None, speed: np.ndarray | float)
     return np.zeros_like(speed, dtype=float) if inhibited else speed_inaccuracy(speed)
 
 
-def _check_shapes(train: SupervisedTrain, speeds: np.ndarray, V_ura: Any, **others: Any) -> None:
-    """Refuse targets, speeds and errors that belong to different numbers of trains or of speeds."""
-    check_shapes({"V_est": speeds.shape, "V_ura": () if V_ura is None else np.shape(V_ura)})
-    of_trains = {name: np.shape(one) for name, one in others.items()}
-    check_shapes({"train": train.shape} | of_trains | {"V_est": speeds.shape[:-1]})
-
-
-def _check_converted(train: SupervisedTrain, speeds: np.ndarray) -> None:
-    """Refuse speeds outside the range of the conversion model."""
-    if train.position is not None and speeds.max(initial=0.0) > FASTEST_CONVERTED:
+def _checked_speeds(
+    train: SupervisedTrain, kind: str, V_est: Any, V_ura: Any, of_trains: Mapping[str, Any]
+) -> np.ndarray:
+    """Return the estimated speeds, if they, the target and the train go together."""
+    name_among("kind", kind, KINDS)
+    V_ura = 0.0 if V_ura is None else V_ura
+    for name, value in {**of_trains, "V_est": V_est, "V_ura": V_ura}.items():
+        array, signed = numbers(name, value), name in ("place", "A_est")
+        if not np.all(np.isfinite(array) & (signed | (array >= 0.0))):
+            limit = "finite" if signed else "finite and at least 0"
+            raise BadInputError(f"{name} must be {limit}; got {shown(value)}. Correct it.")
+        most, unit, hint = LARGEST.get(name, (np.inf, "", ""))
+        if np.any(np.abs(array) > most * (1.0 + 1e-9)):
+            raise BadInputError(f"{name} must be at most {most:.4g} {unit}; got {shown(value)}. {hint}")
+    target, beyond = (np.asarray(of_trains[name], dtype=float) for name in ("target_speed", "beyond"))
+    if kind == "EOA" and np.any(target > 0.0):
+        raise BadInputError("target_speed must be 0 at an end of authority (EOA). Give kind='LOA' for a moving target.")
+    if kind != "EOA" and np.any(beyond != 0.0):
+        raise BadInputError(f"beyond must be 0 for {kind}: only an end of authority (EOA) has an SvL behind it.")
+    speeds = np.atleast_1d(np.asarray(V_est, dtype=float))
+    fastest = speeds.max(initial=0.0)
+    check_shapes({"V_est": speeds.shape, "V_ura": np.shape(V_ura)})
+    shapes = {name: np.shape(value) for name, value in of_trains.items()}
+    check_shapes({"train": train.shape, **shapes, "V_est": speeds.shape[:-1]})
+    if train.position is not None and fastest > FASTEST_CONVERTED:
         raise BadInputError(
             f"V_est must be at most {FASTEST_CONVERTED / KMH:g} km/h for a train by its brake percentage (SUBSET-026, "
-            f"3.13.3.2); got {speeds.max() / KMH:.1f} km/h. Give decelerations by speed instead."
+            f"3.13.3.2); got {fastest / KMH:.1f} km/h. Give decelerations by speed instead."
         )
-
-
-def _check_target(target_speed: object, speeds: np.ndarray) -> None:
-    """Refuse a target that is faster than the train at each of several speeds. One speed is that of a moment."""
-    target, fastest = np.asarray(target_speed, dtype=float), speeds.max(initial=0.0)
+    # One speed is that of a moment, which may be below the target's.
     if speeds.shape[-1] > 1 and np.any(target > fastest):
         raise BadInputError(
             f"target_speed must be at most the largest V_est, {fastest:g} m/s; got {target.max():g} m/s. Give "
             "m/s: 40 / 3.6 for 40 km/h."
         )
+    return speeds
 
 
 def checked_values(
     national: object, fixed: object = None, gradients: object = None
 ) -> tuple[NationalValues, FixedValues, Gradients]:
     """Return values of the country and of the baseline, and gradients, if they are of their types."""
+    remedy = "Give Gradients(starts, permille)."
     return (
         check_national(NationalValues() if national is None else national),
         of_type("fixed", FixedValues() if fixed is None else fixed, FixedValues, "Give FixedValues(...)."),
-        of_type("gradients", Gradients.level() if gradients is None else gradients, Gradients, GIVE_GRADIENTS),
+        of_type("gradients", Gradients.level() if gradients is None else gradients, Gradients, remedy),
     )
 
 
-def _check(kind: str, target_speed: object, beyond: object, **others: object) -> None:
-    name_among("kind", kind, KINDS)
-    for name, value in {"target_speed": target_speed, "beyond": beyond, **others}.items():
-        array, signed = numbers(name, value), name in ("place", "A_est")
-        if not np.all(np.isfinite(array) & (signed | (array >= 0.0))):
-            limit = "finite" if signed else "finite and at least 0"
-            raise BadInputError(f"{name} must be {limit}; got {shown(value)}. Correct it.")
-        largest = LARGEST.get(name)
-        if largest is not None and np.any(np.abs(array) > largest[0] * (1.0 + 1e-9)):
-            most, unit, hint = largest
-            raise BadInputError(f"{name} must be at most {most:.4g} {unit}; got {shown(value)}. {hint}")
-    if kind == "EOA" and np.any(np.asarray(target_speed, dtype=float) > 0.0):
-        raise BadInputError("target_speed must be 0 at an end of authority (EOA). Give kind='LOA' for a moving target.")
-    if kind != "EOA" and np.any(np.asarray(beyond, dtype=float) != 0.0):
-        raise BadInputError(f"beyond must be 0 for {kind}: only an end of authority (EOA) has an SvL behind it.")
+def _service_times(
+    T_bs: np.ndarray, train: SupervisedTrain, pipe_fall: np.ndarray, permitted: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return T_bs1 and T_bs2: times from both interventions to SBD and to EBI, 3.13.9.3.3 and A.3.10.
 
-
-def _slopes(train: SupervisedTrain, gradients: Gradients) -> tuple[np.ndarray, np.ndarray]:
-    edges, permille = gradients.lowest_under(train.length)
-    return edges, acceleration_by(permille, train.rotating)
+    Takes T_bs [s], pipe_fall [Pa]; returns T_bs1, T_bs2 [s].
+    """
+    if not train.service_command:
+        return np.zeros_like(T_bs), np.zeros_like(T_bs)
+    if not (train.service_feedback and permitted):
+        return T_bs, T_bs
+    reduced = np.where(pipe_fall < BEGINS, T_bs, T_bs * (FULL - pipe_fall) / FULL)
+    first = np.where(pipe_fall < LOCKS, reduced, LOCKED_1)
+    return first, np.maximum(np.where(pipe_fall < LOCKS, reduced, LOCKED_2), LOCKED_2)
 
 
 @dataclass(frozen=True)
@@ -234,19 +244,3 @@ class _ToBrake:
         after = np.maximum(V_est + error + pulled, V_target)
         with_traction = np.maximum(V_est + error + pulled / 2.0, V_target) * self.traction
         return self.emergency.place_at(after + crept) - with_traction - (after + crept / 2.0) * self.building
-
-
-def _guidance(train: SupervisedTrain, start: np.ndarray, target: np.ndarray, gradients: Gradients) -> Arcs:
-    """Return GUI, the curve of a driver who brakes in comfort, 3.13.8.5."""
-    brake = train.A_brake_normal_service
-    assert brake is not None
-    edges, permille = gradients.lowest_under(train.length)
-    # On boundaries of their own: the walk finds all three by one number of a step.
-    every = (brake, train.Kn_plus, train.Kn_minus)
-    brake, up, down = (Steps.constant(0.0).with_others(_nth(n), *every) for n in range(len(every)))
-    slopes = acceleration_by(permille, train.rotating)
-    return braking_arcs(start, target, brake, (edges, slopes), Eased(up, down, permille))
-
-
-def _nth(number: int) -> Callable[..., np.ndarray]:
-    return lambda zero, *values: values[number] + zero
