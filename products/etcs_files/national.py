@@ -50,18 +50,22 @@ def read_national(path: str | Path) -> NationalValues:
     for name in read:
         if name not in NAMES:
             raise FileError(f"{path}: {shown(name)} is not a national value of the curves; {suggestion(name, NAMES)}")
-    found: dict[str, Any] = {
-        of: _number(read[name], name, unit, str(path)) for name, (of, unit) in NUMBERS.items() if name in read
-    }
-    found |= {of: _switch(read[name], name, str(path)) for name, of in SWITCHES.items() if name in read}
-    for name, (of, starts, unit, most) in INTERVALS.items():
+    source = str(path)
+    found: dict[str, Any] = {}
+    for name, (field, unit) in NUMBERS.items():
         if name in read:
-            found[of] = _intervals(read, name, (starts, unit, most), str(path))
-    _check_starts(read, str(path))
+            found[field] = _number(read[name], name, unit, source, RANGES.get(field))
+    found |= {field: _switch(read[name], name, source) for name, field in SWITCHES.items() if name in read}
+    found |= {INTERVALS[name][0]: _intervals(read, name, source) for name in INTERVALS if name in read}
+    for starts in STARTS:
+        factors = [name for name, (_, list_name, *_) in INTERVALS.items() if list_name == starts]
+        if starts in read and not any(isinstance(read.get(name), list) for name in factors):
+            raise FileError(f"{source}: {starts} must have a list of factors, {' or '.join(factors)}; got none.")
     if any(name in read for name in ADHESION):
         limits = zip(ADHESION, NationalValues().reduced_adhesion, strict=True)
         found["reduced_adhesion"] = tuple(
-            _number(read.get(name, default), name, "m/s2", str(path)) for name, default in limits
+            _number(read.get(name, default), name, "m/s2", source, RANGES["reduced_adhesion"])
+            for name, default in limits
         )
     try:
         return NationalValues(**found)
@@ -69,21 +73,18 @@ def read_national(path: str | Path) -> NationalValues:
         raise FileError(f"{path}: {error}") from None
 
 
-def _number(value: Any, name: str, unit: str, source: str) -> float:
-    """Return a number, with or without its unit."""
+def _number(value: Any, name: str, unit: str, source: str, most: float | None) -> float:
+    """Return a number, with or without its unit, from 0 to a limit; None: NationalValues checks it."""
     found = number_in(value, unit) if isinstance(value, str) else value if is_number(value) else None
     if found is None:
         wanted = "a number" if unit == "1" else f"a number, alone in {unit} or in quotes with its unit"
         raise FileError(f"{source}: {name} must be {wanted}; got {shown(value)}.{decimal_comma(value, unit)}")
-    if name == "M_NVEBCL":
-        return found  # NationalValues checks levels
-    of = {"M_NVKVINT_b": "Kv_int", "M_NVKVINT": "Kv_int", "M_NVKRINT": "Kr_int", "M_NVKTINT": "Kt_int"}.get(name, name)
-    most = RANGES["reduced_adhesion" if name in ADHESION else of] if name not in STARTS else math.inf
+    if most is None:
+        return found
     try:
-        within(f"{source}: {name}", found, 0.0, most)
+        return float(within(f"{source}: {name}", found, 0.0, most))
     except BadInputError as error:
         raise FileError(str(error)) from None
-    return float(found)
 
 
 def _switch(value: Any, name: str, source: str) -> bool:
@@ -92,9 +93,9 @@ def _switch(value: Any, name: str, source: str) -> bool:
     return bool(value)
 
 
-def _intervals(read: dict[str, Any], name: str, starts: tuple[str, str, float], source: str) -> Steps:
+def _intervals(read: dict[str, Any], name: str, source: str) -> Steps:
     """Return factors by speed [m/s] or length [m]."""
-    list_name, unit, most = starts
+    field, list_name, unit, most = INTERVALS[name]
     given = read[name] if isinstance(read[name], list) else [read[name]]
     places = read.get(list_name, [0]) if isinstance(read[name], list) else [0]
     if not isinstance(places, list) or not 1 <= len(given) <= MOST_INTERVALS or len(given) != len(places):
@@ -103,19 +104,11 @@ def _intervals(read: dict[str, Any], name: str, starts: tuple[str, str, float], 
             f"{source}: {name} must have one factor for each start of {list_name}, 1 to {MOST_INTERVALS}; got "
             f"{len(given)} factors and {count} starts."
         )
-    values = [_number(value, name, "1", source) for value in given]
-    ends = [_number(place, list_name, unit, source) for place in places]
+    values = [_number(value, name, "1", source, RANGES[field]) for value in given]
+    ends = [_number(place, list_name, unit, source, math.inf) for place in places]
     if ends[0] != 0.0 or ends != sorted(set(ends)) or ends[-1] > most:
         raise FileError(
             f"{source}: {list_name} must ascend from 0 to at most {most:g} {unit}; got {shown(places)}. Begin with 0."
         )
     scale = 1.0 / 3.6 if unit == "km/h" else 1.0
     return Steps(np.array(ends[1:]) * scale, np.array(values))
-
-
-def _check_starts(read: dict[str, Any], source: str) -> None:
-    """Refuse starts of intervals without a list of factors."""
-    for name in STARTS:
-        factors = [one for one, (_, starts, *_) in INTERVALS.items() if starts == name]
-        if name in read and not any(isinstance(read.get(one), list) for one in factors):
-            raise FileError(f"{source}: {name} must have a list of factors, {' or '.join(factors)}; got none.")

@@ -28,16 +28,12 @@ class BrakeOfRun:
         Step function of speed, nowhere above the deceleration of the run [m/s2].
     build_up : float
         Equivalent time: until the brake begins, and half of the time from there to 95 % [s].
-    speeds, decelerations : ndarray
-        Deceleration of the developed brake in the run, lowest one in each range of speed [m/s], [m/s2].
     loss : float
         What the steps add to the braking distance with a lowest deceleration in each of 60 ranges of speed [1].
     """
 
     deceleration: Steps
     build_up: float
-    speeds: np.ndarray
-    decelerations: np.ndarray
     loss: float
 
 
@@ -59,10 +55,9 @@ def brake_of_run(
         )
     speeds, lowest = _lowest(time, speed, ends, largest)
     boundaries, values = _best_steps(speeds, lowest, most_steps)
-    exact = _distance(speeds, lowest)
-    by_steps = Steps(boundaries, values)
-    loss = _distance(speeds, by_steps.at(speeds[1:])) / exact - 1.0
-    return BrakeOfRun(by_steps, begins + (ends - begins) / 2.0, speeds[1:], lowest, loss)
+    steps = Steps(boundaries, values)
+    loss = _distance(speeds, steps.at(speeds[1:])) / _distance(speeds, lowest) - 1.0
+    return BrakeOfRun(steps, begins + (ends - begins) / 2.0, loss)
 
 
 def _first(time: np.ndarray, share: np.ndarray, limit: float) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from readers.text import BadInputError, shown
@@ -21,25 +21,13 @@ class Entry:
 
 #: Largest standard deviation [1], probability [1], and delay [s].
 MOST_SPREAD, MOST_FAILURES, MOST_DELAY = 0.2, 0.5, 10.0
-ENTRIES = {
-    "friction": Entry("%", MOST_SPREAD, "friction of a vehicle's blocks or pads"),
-    "friction_common": Entry("%", MOST_SPREAD, "friction of all blocks or pads together"),
-    "cylinder_force": Entry("%", MOST_SPREAD, "cylinder force of a vehicle"),
-    "efficiency": Entry("%", MOST_SPREAD, "efficiency of a vehicle's rigging"),
-    "wheel_diameter": Entry("%", MOST_SPREAD, "wheel diameter of a vehicle with discs"),
-    "spread": Entry("%", MOST_SPREAD, "other causes in a vehicle"),
-    "common": Entry("%", MOST_SPREAD, "other causes in all vehicles together"),
-    "mass": Entry("%", MOST_SPREAD, "mass of a vehicle"),
-    "mass_common": Entry("%", MOST_SPREAD, "mass of the train"),
-    "isolated": Entry("%", MOST_FAILURES, "distributors isolated before the trip"),
-    "noticed": Entry("%", 1.0, "isolated distributors that the brake test notices"),
-    "lost": Entry("%", MOST_FAILURES, "units lost at the demand"),
-    "units": Entry("1", 16, "units of a vehicle", 1),
-    "delay": Entry("s", MOST_DELAY, "build-up time of a vehicle"),
-    "delay_common": Entry("s", MOST_DELAY, "build-up time of the train"),
-}
 #: Entries that do not weaken the brake by themselves.
 NO_CAUSES = ("noticed", "units", "delay", "delay_common")
+
+
+def _entry(unit: str, most: float, text: str, least: float = 0.0) -> Any:
+    """Return a field with its entry, whose default is the least number."""
+    return field(default=least, metadata={"entry": Entry(unit, most, text, least)})
 
 
 @dataclass(frozen=True)
@@ -73,25 +61,25 @@ class Tolerances:
         If a number is outside its limits, see ENTRIES.
     """
 
-    friction: float = 0.0
-    friction_common: float = 0.0
-    cylinder_force: float = 0.0
-    efficiency: float = 0.0
-    wheel_diameter: float = 0.0
-    spread: float = 0.0
-    common: float = 0.0
-    mass: float = 0.0
-    mass_common: float = 0.0
-    isolated: float = 0.0
-    noticed: float = 0.0
-    lost: float = 0.0
-    units: int = 1
-    delay: float = 0.0
-    delay_common: float = 0.0
+    friction: float = _entry("%", MOST_SPREAD, "friction of a vehicle's blocks or pads")
+    friction_common: float = _entry("%", MOST_SPREAD, "friction of all blocks or pads together")
+    cylinder_force: float = _entry("%", MOST_SPREAD, "cylinder force of a vehicle")
+    efficiency: float = _entry("%", MOST_SPREAD, "efficiency of a vehicle's rigging")
+    wheel_diameter: float = _entry("%", MOST_SPREAD, "wheel diameter of a vehicle with discs")
+    spread: float = _entry("%", MOST_SPREAD, "other causes in a vehicle")
+    common: float = _entry("%", MOST_SPREAD, "other causes in all vehicles together")
+    mass: float = _entry("%", MOST_SPREAD, "mass of a vehicle")
+    mass_common: float = _entry("%", MOST_SPREAD, "mass of the train")
+    isolated: float = _entry("%", MOST_FAILURES, "distributors isolated before the trip")
+    noticed: float = _entry("%", 1.0, "isolated distributors that the brake test notices")
+    lost: float = _entry("%", MOST_FAILURES, "units lost at the demand")
+    units: int = _entry("1", 16, "units of a vehicle", 1)
+    delay: float = _entry("s", MOST_DELAY, "build-up time of a vehicle")
+    delay_common: float = _entry("s", MOST_DELAY, "build-up time of the train")
 
     def __post_init__(self) -> None:
-        for one in fields(self):
-            check(one.name, getattr(self, one.name), ENTRIES[one.name])
+        for name, entry in ENTRIES.items():
+            check(name, getattr(self, name), entry)
         if self.noticed and not self.isolated:
             raise BadInputError("noticed is a share of the isolated distributors; got no isolated. Give both.")
         if self.units > 1 and not self.lost:
@@ -109,6 +97,9 @@ class Tolerances:
         given: dict[str, Any] = {name: 0.0}
         given |= {"noticed": 0.0} if name == "isolated" else {"units": 1} if name == "lost" else {}
         return replace(self, **given)
+
+
+ENTRIES: dict[str, Entry] = {one.name: one.metadata["entry"] for one in fields(Tolerances)}
 
 
 def check(name: str, value: object, entry: Entry) -> None:
