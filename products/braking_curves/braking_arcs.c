@@ -50,11 +50,16 @@ static int edges_before(const line_slopes *line, double place, bool with) {
     return low;
 }
 
+static double curve_rate(const curve_point *at, const speed_steps *brake, const line_slopes *line) {
+    return brake->value[at->step] + line->slope[at->part];
+}
+
 /* Move a point to the end of its arc: to higher speeds and back along the line (way 1), or down to rest (way -1). Returns
  * whether another arc begins there. */
-static bool curve_advance(curve_point *at, double rate, const speed_steps *brake, const line_slopes *line, int way) {
+static bool curve_advance(curve_point *at, const speed_steps *brake, const line_slopes *line, int way) {
     const int edge = way > 0 ? at->part - 1 : at->part, bound = way > 0 ? at->step : at->step - 1;
     const bool has_edge = edge >= 0 && edge < line->edges, has_bound = bound >= 0 && bound < brake->count - 1;
+    const double rate = curve_rate(at, brake, line);
     if (!(rate > 0.0) || (way > 0 && !has_edge && !has_bound)) return false;
     const double limit = has_bound ? brake->boundary[bound] * brake->boundary[bound] : way > 0 ? INFINITY : 0.0;
     const double by_edge = has_edge ? fabs(line->edge[edge] - at->place) : INFINITY;
@@ -71,42 +76,26 @@ static bool curve_advance(curve_point *at, double rate, const speed_steps *brake
     return has_bound;
 }
 
-static curve_point curve_foot(double place, double speed, const speed_steps *brake, const line_slopes *line, int way) {
-    curve_point at = {place, speed * speed, 0, edges_before(line, place, way < 0)};
-    /* Up, a boundary at the speed is passed; down, it is ahead. */
-    while (at.step < brake->count - 1 && (way > 0 ? brake->boundary[at.step] <= speed : brake->boundary[at.step] < speed))
-        ++at.step;
+/* A point from which to walk: up, a boundary at the speed is passed; down, it is ahead. */
+static curve_point curve_start(double place, double square, const speed_steps *brake, const line_slopes *line, int way) {
+    curve_point at = {place, square, 0, edges_before(line, place, way < 0)};
+    for (; at.step < brake->count - 1; ++at.step) {
+        const double bound = brake->boundary[at.step] * brake->boundary[at.step];
+        if (way > 0 ? bound > square : bound >= square) break;
+    }
     return at;
 }
 
-static void curve_reverse(braking_curve *self) {
-    for (int n = 0, last = self->count - 1; n < last; ++n, --last) {
-        const braking_arc kept = self->arc[n];
-        self->arc[n] = self->arc[last];
-        self->arc[last] = kept;
-    }
-}
-
-int curve_room(int edges) { return PRODUCT_STEPS - 1 + edges + 2; }
+int curve_room(int edges) { return PRODUCT_STEPS - 1 + edges + 1; }
 
 void curve_find(braking_curve *self, double place, double speed, const speed_steps *brake, const line_slopes *line,
                 double most) {
-    const int room = curve_room(line->edges);
-    bool more = speed > 0.0;
-    curve_point at = curve_foot(place, speed, brake, line, -1);
+    curve_point at = curve_start(place, speed * speed, brake, line, -1);
+    while (curve_advance(&at, brake, line, -1)) continue; /* to rest, or as far as the train brakes */
+    at = curve_start(at.place, at.square, brake, line, 1);
     self->count = 0;
-    while (more && self->count < room - 1) {
-        const double rate = brake->value[at.step] + line->slope[at.part];
-        more = curve_advance(&at, rate, brake, line, -1);
-        if (rate > 0.0) self->arc[self->count++] = (braking_arc){at.place, at.square, rate};
-    }
-    curve_reverse(self);
-    at = curve_foot(place, speed, brake, line, 1);
-    do {
-        const double rate = brake->value[at.step] + line->slope[at.part];
-        self->arc[self->count++] = (braking_arc){at.place, at.square, rate};
-        more = curve_advance(&at, rate, brake, line, 1);
-    } while (more && at.square < most * most && self->count < room);
+    do self->arc[self->count++] = (braking_arc){at.place, at.square, curve_rate(&at, brake, line)};
+    while (curve_advance(&at, brake, line, 1) && at.square < most * most && self->count < curve_room(line->edges));
 }
 
 double curve_place(const braking_curve *self, double speed) {
