@@ -7,7 +7,7 @@ Failures alone are summed without a grid, so that a force that is reached for ce
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 
@@ -138,11 +138,14 @@ def quantiles_of(losses: Numbers, common: Law, weaker: Numbers) -> Numbers:
     def probability(share: float) -> float:
         return float(common.masses @ np.interp(share / common.values, edges, below))
 
-    found = []
-    for one in weaker.tolist():
-        low, high = 0.0, 2.0
-        for _ in range(BISECTIONS):
-            middle = (low + high) / 2.0
-            low, high = (middle, high) if probability(middle) <= one * (1.0 + ROUNDING) else (low, middle)
-        found.append(low if low > LEAST else 0.0)
-    return np.array(found)
+    shares = np.array([largest_share(probability, level, BISECTIONS) for level in weaker * (1.0 + ROUNDING)])
+    return np.where(shares > LEAST, shares, 0.0)
+
+
+def largest_share(probability: Callable[[float], float], most: float, halvings: int) -> float:
+    """Return the largest share, from 0 to 2, whose probability is at most a level; it rises with the share."""
+    low, high = 0.0, 2.0
+    for _ in range(halvings):
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if probability(middle) <= most else (low, middle)
+    return low

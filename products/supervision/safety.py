@@ -14,11 +14,11 @@ from math import prod
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 from scipy.special import ndtr
 from scipy.stats import binom
 
 from products.supervision.arguments import all_of_type, check_sizes, finite, numbers
+from products.supervision.convolution import largest_share
 from readers.text import BadInputError, shown
 
 #: Confidence levels (M_NVEBCL): the probability that the brake is weaker than stated, SUBSET-026, 7.5. Level 0 is a
@@ -33,8 +33,8 @@ NODES = np.linspace(-8.5, 8.5, 851)
 DENSITY = np.exp(-(NODES**2) / 2.0) / np.exp(-(NODES**2) / 2.0).sum()
 #: Deviations below this share of the common one are too sharp for the rule; both are then added as independent ones.
 SHARP = 0.1
-#: Share below which no brake force counts.
-LEAST = 1e-6
+#: Share below which no brake force counts; halvings of a range of shares, the last one is 2e-12 wide.
+LEAST, HALVINGS = 1e-6, 40
 
 
 @dataclass(frozen=True)
@@ -102,15 +102,7 @@ class _Force:
         """Return the largest share below which the force is at most with this probability."""
         if self.weaker_than(LEAST) > weaker:
             return 0.0
-        if self.common or self.deviations.any():
-            return float(
-                brentq(lambda share: np.log(max(self.weaker_than(share), 1e-300) / weaker), LEAST, 2.0, xtol=1e-10)
-            )
-        low, high = 0.0, 2.0
-        for _ in range(60):
-            middle = (low + high) / 2.0
-            low, high = (middle, high) if self.weaker_than(middle) <= weaker else (low, middle)
-        return low
+        return largest_share(self.weaker_than, weaker, HALVINGS)
 
 
 def dry_factors(units: Sequence[BrakeUnits], common: float = 0.0) -> np.ndarray:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy.special import ndtr, ndtri
@@ -13,7 +11,6 @@ from products.supervision import convolution
 from products.supervision.causes import BrakedVehicles, build_up_of, causes_of, factors_of, one_failure
 from products.supervision.safety import WEAKER, BrakeUnits, dry_factors, rounded_down
 from products.supervision.tolerances import ENTRIES, Tolerances
-from readers.text import BadInputError
 
 #: Required accuracy of K, and that of a point of its grid.
 OF_K, OF_GRID = 1e-3, 1e-4
@@ -144,37 +141,3 @@ def test_a_train_of_the_largest_size_has_factors_that_fall() -> None:
         found = factors_of([BrakedVehicles(2_000, 1e-3, 1e12), BrakedVehicles(1, 1e12, 1.0)], given)
         assert np.all(np.diff(found) <= 0.0)
         assert np.all((found >= 0.0) & (found < 1.5))
-
-
-@pytest.mark.parametrize(
-    ("given", "says"),
-    [
-        ({"friction": 5.0}, "friction must be from 0 to 0.2; got 5.0. Give 0.05 for 5 %."),
-        ({"mass": -0.01}, "mass must be from 0 to 0.2; got -0.01."),
-        ({"isolated": float("nan")}, "isolated must be from 0 to 0.5; got nan."),
-        ({"delay": 200.0}, "delay must be from 0 to 10 s; got 200.0."),
-        ({"units": 2.5, "lost": 0.1}, "units must be an integer from 1 to 16; got 2.5."),
-        ({"lost": True}, "lost must be from 0 to 0.5; got true."),
-        ({"noticed": 0.9}, "got no isolated"),
-        ({"units": 4}, "got no lost"),
-    ],
-)
-def test_tolerances_outside_their_limits_are_refused(given: dict[str, Any], says: str) -> None:
-    with pytest.raises(BadInputError, match=says):
-        Tolerances(**given)
-
-
-@pytest.mark.parametrize(
-    ("count", "force", "mass", "says"),
-    [
-        (10**9, 1.0, 1.0, "count of braked vehicles must be an integer from 1 to 2000"),
-        (2, -1.0, 1.0, "force of braked vehicles must be 0 to"),
-        (2, 0.0, 1.0, "must have a brake force"),
-        (2, 1.0, 0.0, "mass of braked vehicles"),
-    ],
-)
-def test_vehicles_outside_their_limits_are_refused(count: int, force: float, mass: float, says: str) -> None:
-    with pytest.raises(BadInputError, match=says):
-        factors_of([BrakedVehicles(count, force, mass)], EVERY)
-    with pytest.raises(BadInputError, match="confidence level must be an integer from 0 to 9; got 10"):
-        causes_of(TRAIN, EVERY, 10)

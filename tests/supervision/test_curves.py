@@ -9,25 +9,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from products.braking_curves.train_data import fmu_parameters
-from products.etcs_files.osrd import osrd_document
-from products.etcs_files.train_file import EtcsTrain, train_document
 from products.supervision import (
-    BrakedVehicles,
     FixedValues,
     Gradients,
     NationalValues,
     Steps,
     SupervisedTrain,
     braking_arcs,
-    factors_of,
     release_speed,
-    rounded_down,
-    rounded_national,
-    rounded_train,
     supervise,
 )
-from readers.text import BadInputError
 from tests.supervision.random_trains import Motion, extreme_trains, one_of, trains
 
 KMH = 1.0 / 3.6
@@ -234,72 +225,3 @@ def test_a_number_is_a_step_for_all_speeds_and_rise_over_length_is_permille() ->
     assert pytest.approx(other.EBI, abs=1e-9) == one.EBI
     assert Gradients([0.0], [0.1], "permille").permille.tolist() == [0.1]
     assert supervise(PLAIN, 0.0, 5.0, kind="LOA", target_speed=10.0).EBD.shape == (1,)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "says"),
-    [
-        (lambda: Steps([10.0, 5.0], [1.0, 1.0, 1.0]), "must ascend from 0 m/s"),
-        (lambda: Steps([10.0], [1.0]), "one value more than boundaries"),
-        (lambda: Steps([10.0], [1.0, np.nan]), "must be finite"),
-        (lambda: replace(PLAIN, Kdry_rst=Steps.constant(85.0)), "Kdry_rst must be 0 to 1.55"),
-        (lambda: replace(PLAIN, Kn_plus=Steps.constant(6.74)), "Kn_plus must be 0 to 0.01"),
-        (lambda: replace(PLAIN, service_feedback=True), "service_feedback must be False without service_command"),
-        (lambda: NationalValues(Kt_int=np.nan), "Kt_int must be 0 to 1.55"),
-        (lambda: NationalValues(A_NVP12=1.0), "A_NVP12 must be at most A_NVP23"),
-        (lambda: FixedValues(T_driver=-1.0), "T_driver must be 0 to 60"),
-        (lambda: SupervisedTrain.of_percentage(90.0, "freight P", 300.0, maximum_speed=60.0), "at most 200 km/h"),
-        (lambda: supervise(SupervisedTrain.of_percentage(90.0, "freight P", 300.0), 0.0, 62.0), "at most 215 km/h"),
-        (lambda: release_speed(PLAIN, 10.0, A_est=1.0), "A_est must be left out"),
-        (lambda: Gradients([0.0], [300.0]), "Give permille"),
-        (lambda: Gradients([5.0, 0.0], [0.0, 1.0]), "must ascend"),
-        (lambda: Gradients([0.0, 800.0], [0.0, -0.01]), "must be in permille; got .* all below 0.255"),
-        (lambda: Gradients([0.0], [0.3], "1"), "Give permille"),
-        (lambda: Gradients([0.0], [1.0], "percent"), 'unit must be "permille" or "1"; got percent'),
-        (lambda: replace(PLAIN, A_brake_emergency=Steps([60.0, 160.0], [1.0, 0.9, 0.8])), "got 160 m/s. Give m/s"),
-        (lambda: replace(PLAIN, Kdry_rst=Steps([160.0], [1.0, 0.9])), "Kdry_rst must have boundaries .* up to 140"),
-        (lambda: NationalValues(Kv_int=Steps([160.0], [1.0, 0.9])), "Kv_int must have boundaries .* up to 140"),
-        (lambda: replace(PLAIN, rotating=0.1), "rotating must be 0, or 0.3 to 30 %.* 10 for 10 %"),
-        (lambda: replace(PLAIN, length="200 m"), "length must be a number or numbers, without text; got 200 m"),
-        (lambda: replace(PLAIN, A_brake_service="0.8"), "A_brake_service must be of type Steps; got str"),
-        (lambda: replace(PLAIN, traction_command="no"), "traction_command must be True or False; got no"),
-        (lambda: NationalValues(guidance=2), "guidance must be True or False; got 2"),
-        (lambda: NationalValues(reduced_adhesion=0.7), "reduced_adhesion must be three numbers"),
-        (lambda: supervise(PLAIN, 0.0, [20.0, 30.0], kind="LOA", target_speed=40.0), "at most the largest V_est, 30"),
-        (lambda: supervise(PLAIN, "2km", 1.0), "place must be a number or numbers, without text; got 2km"),
-        (lambda: supervise(PLAIN, 0.0, 1.0, slippery="no"), "slippery must be True or False; got no"),
-        (lambda: supervise(PLAIN, 0.0, 1.0, gradients=[(0.0, 5.0)]), "gradients must be of type Gradients; got list"),
-        (lambda: supervise(PLAIN, 0.0, 1.0, national={}), "national must be of type NationalValues; got dict"),
-        (lambda: supervise(PLAIN, 0.0, 1.0, fixed=4.0), "fixed must be of type FixedValues; got float"),
-        (lambda: supervise(EtcsTrain(PLAIN), 0.0, 1.0), "train must be of type SupervisedTrain; got EtcsTrain"),
-        (lambda: train_document(EtcsTrain(PLAIN)), "train must be of type SupervisedTrain; got EtcsTrain"),
-        (lambda: osrd_document("train"), "train must be of type SupervisedTrain; got str"),
-        (lambda: fmu_parameters(EtcsTrain(PLAIN)), "train must be of type SupervisedTrain; got EtcsTrain"),
-        (lambda: rounded_train(EtcsTrain(PLAIN)), "train must be of type SupervisedTrain; got EtcsTrain"),
-        (lambda: rounded_national({}), "national must be of type NationalValues; got dict"),
-        (lambda: factors_of([BrakedVehicles(2, 5.0)], {}), "tolerances must be of type Tolerances; got dict"),
-        (lambda: rounded_down("0.85"), "factors must be a number or numbers, without text"),
-        (
-            lambda: SupervisedTrain.of_percentage(90.0, "passenger P", -5.0),
-            "longer than 0 m and .* got -5",
-        ),
-        (lambda: release_speed(PLAIN, np.nan), "beyond must be one finite number; got nan"),
-        (lambda: replace(PLAIN, length=0.0), "length must be 1 to 4095 m"),
-        (lambda: replace(PLAIN, A_brake_service=Steps.constant(-1.0)), "A_brake_service must be above 0"),
-        (lambda: replace(PLAIN, A_brake_emergency=Steps(np.arange(1.0, 9.0), np.ones(9))), "at most 7 steps"),
-        (lambda: SupervisedTrain.of_percentage(20.0, "freight P", 500.0), "must be 30 to 250 %"),
-        (lambda: SupervisedTrain.of_percentage(90.0, "passenger P", 1000.0), "at most 900 m long"),
-        (lambda: SupervisedTrain.of_percentage(90.0, "P", 300.0), "brake_position must be one of"),
-        (lambda: supervise(PLAIN, 0.0, -1.0), "V_est must be finite and at least 0"),
-        (lambda: supervise(PLAIN, np.nan, 1.0), "place must be finite"),
-        (lambda: supervise(PLAIN, 0.0, 1.0, A_est=np.nan), "A_est must be finite"),
-        (lambda: supervise(PLAIN, 0.0, 1.0, V_ura=-1.0), "V_ura must be finite and at least 0"),
-        (lambda: supervise(PLAIN, 0.0, 1.0, target_speed=5.0), "target_speed must be 0"),
-        (lambda: supervise(PLAIN, 0.0, 1.0, kind="LOA", beyond=5.0), "beyond must be 0"),
-        (lambda: supervise(PLAIN, 0.0, 1.0, kind="stop"), "kind must be one of"),
-        (lambda: release_speed(PLAIN, 10.0, trip=20.0), "trip must be 0 to 10 m"),
-    ],
-)
-def test_what_no_train_has_is_refused(wrong: object, says: str) -> None:
-    with pytest.raises(BadInputError, match=says):
-        wrong()  # type: ignore[operator]

@@ -152,19 +152,3 @@ def test_rounding_twice_changes_nothing_and_each_number_is_a_multiple() -> None:
     moved = {move.name: move.most for move in once.moves}
     for name, resolution in (("Kdry_rst", 0.05), ("T_brake_service", 0.05), ("L_TRAIN", 1.0)):
         assert 0.0 < moved[name] < resolution
-
-
-@pytest.mark.parametrize(
-    ("others", "says"),
-    [
-        ({"A_brake_emergency": Steps.constant(2.6)}, "A_brake_emergency must be 0.01 to 2.55 m/s2"),
-        ({"Kwet_rst": Steps.constant(0.04)}, "Kwet_rst must be 0.05 to 1.55"),
-        ({"rotating": 1.5}, "must be an integer from 0 to 15 %"),
-        ({"rotating": 16.0}, "must be an integer from 0 to 15 %"),
-        ({"A_brake_service": Steps([170.0], [0.8, 0.7])}, r"up to 140 m/s \(504 km/h\); got 170"),
-        ({"Kdry_rst": Steps(np.arange(1.0, 9.0), np.linspace(0.9, 0.5, 9))}, "share at most 7 sections of speed"),
-    ],
-)
-def test_what_has_no_place_in_its_variable_is_refused(others: dict[str, object], says: str) -> None:
-    with pytest.raises(BadInputError, match=says):
-        rounded_train(SupervisedTrain(**(GIVEN | others)))  # type: ignore[arg-type]

@@ -7,7 +7,6 @@ import pytest
 from scipy.stats import binom, norm
 
 from products.supervision.safety import WEAKER, BrakeUnits, dry_factors, rounded_down
-from readers.text import BadInputError
 
 
 @pytest.mark.parametrize(("count", "failure"), [(8, 1e-2), (40, 1e-3), (3, 0.1)])
@@ -55,17 +54,3 @@ def test_factors_fall_with_confidence_and_are_rounded_to_the_safe_side() -> None
     assert np.all(np.diff(found) < 0.0)
     assert np.all(rounded_down(found) <= found)
     assert rounded_down([0.85, 0.8999]) == pytest.approx([0.85, 0.85])
-
-
-@pytest.mark.parametrize(
-    ("units", "says"),
-    [
-        (lambda: [], "must have brake units"),
-        (lambda: [BrakeUnits(0, 1.0)], "count of brake units"),
-        (lambda: [BrakeUnits(3, 1.0, 5.0)], "failure of brake units"),
-        (lambda: [BrakeUnits(40, 1.0 + n, 0.1) for n in range(6)], "Combinations of failures"),
-    ],
-)
-def test_what_is_no_brake_is_refused(units: object, says: str) -> None:
-    with pytest.raises(BadInputError, match=says):
-        dry_factors(units())  # type: ignore[operator]
