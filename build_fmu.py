@@ -33,27 +33,29 @@ from pathlib import Path
 from brake_controller.protection_fmu import BOGIE, MOST_WHEELSETS
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
-from products.braking_curves.fmu import build_curves
 from products.building import KINDS, NATIVE, build_all, build_controller
 from products.parameter_sets import write_sets
-from products.protection.sensor_fmu import build_sensor
-from products.registry import ALIASES, FMUS, fmu_named, model_of
+from products.registry import ALIASES, FMUS, IN_C, fmu_named, model_of
 from products.systems import build_systems
-from products.train.building import build_coupler, build_train
 from products.train.layout import BRAKE_MODELS
-from products.train.numbers import SETTING_LIMITS, Settings
+from products.train.numbers import SETTING_LIMITS
 from rbd_model.train.coupler import COUPLERS
 from readers.command_line import CommandLine, check_folder, quantity, whole
 from readers.text import BadInputError
 
 #: Name of this program.
 PROGRAM = "python build_fmu.py"
-#: Options of one FMU alone: its name, and their defaults.
-OWN_OPTIONS = {"--coupler": ("coupler", "screw"), "--brake-model": ("train", "whole"), "--cells": ("train", 2.0)}
+#: Options of the FMUs in C, which each has the function in IN_C, and their defaults.
+OWN_OPTIONS = {
+    "consist": None,
+    "line": None,
+    "coupler": "screw",
+    "brake_model": "whole",
+    "cells": 2.0,
+    "wheelsets": BOGIE,
+}
 #: Names of FMUs and systems.
-NAMES = (*FMUS, "train", "coupler", "sensor", "curves", "ssp", "all")
-#: FMUs that are not of equations: native, without a table of variables; those that take a line.
-NOT_OF_EQUATIONS, ON_LINES = ("train", "coupler", "sensor", "curves"), ("train", "curves")
+NAMES = (*FMUS, *IN_C, "ssp", "all")
 #: Exit status.
 DONE, NOT_VALID, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -115,35 +117,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def kinds_of(chosen: argparse.Namespace) -> list[str]:
     """Return the kinds of FMUs to build. Raises BadInputError for options that do not go together."""
-    native_only = chosen.platforms == "all" or chosen.model in NOT_OF_EQUATIONS
+    native_only = chosen.platforms == "all" or chosen.model in IN_C
     able = ["native"] if chosen.model == "ssp" else [*NATIVE] if native_only else [*KINDS]
     if chosen.kind not in ("all", *able):
         of = "--platforms all" if chosen.platforms == "all" and chosen.model != "ssp" else chosen.model
         raise BadInputError(f"--kind must be all or one of {', '.join(able)} for {of}; got {chosen.kind}.")
-    if chosen.model != "train" and chosen.consist:
-        raise BadInputError(f"--consist belongs to the train; got {chosen.model}. Write: train --consist FILE.")
-    if chosen.model not in ON_LINES and chosen.line:
-        raise BadInputError(
-            f"--line belongs to {' and '.join(ON_LINES)}; got {chosen.model}. Write: {ON_LINES[0]} --line FILE."
-        )
-    for option, (model, default) in OWN_OPTIONS.items():
-        value = getattr(chosen, option.removeprefix("--").replace("-", "_"))
-        if chosen.model != model and value != default:
-            raise BadInputError(
-                f"{option} belongs to the {model}; got {chosen.model}. Write: {model} {option} {value}."
-            )
-    if chosen.describe and chosen.model in (*NOT_OF_EQUATIONS, "ssp"):
+    check_own_options(chosen)
+    if chosen.describe and chosen.model in (*IN_C, "ssp"):
         raise BadInputError(f"--describe must be with an FMU of {', '.join(FMUS)}; got {chosen.model}.")
-    if chosen.wheelsets != BOGIE and chosen.model != "sensor" and not chosen.controller:
-        raise BadInputError(
-            f"--wheelsets belongs to the sensor and to --controller; got {chosen.model}. Write: sensor --wheelsets "
-            f"{chosen.wheelsets}."
-        )
     if chosen.describe:
         check_describe(chosen)
     if chosen.controller:
         check_controller(chosen)
     return able if chosen.kind == "all" else [chosen.kind]
+
+
+def check_own_options(chosen: argparse.Namespace) -> None:
+    """Refuse options of other FMUs. Raises BadInputError."""
+    for option, default in OWN_OPTIONS.items():
+        value, owners = getattr(chosen, option), [name for name, fmu in IN_C.items() if option in fmu.options]
+        with_controller = option == "wheelsets"
+        if value == default or chosen.model in owners or (with_controller and chosen.controller):
+            continue
+        flag, text = f"--{option.replace('_', '-')}", "FILE" if default is None else value
+        belongs = " and ".join(owners) if len(owners) > 1 else f"the {owners[0]}"
+        raise BadInputError(
+            f"{flag} belongs to {belongs}{' and to --controller' if with_controller else ''}; got {chosen.model}. "
+            f"Write: {owners[0]} {flag} {text}."
+        )
 
 
 def check_describe(chosen: argparse.Namespace) -> None:
@@ -171,23 +172,15 @@ def check_controller(chosen: argparse.Namespace) -> None:
 def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:
     """Build the chosen FMUs; return whether one is not valid. Raises ValueError, CompilerError, OSError."""
     every = chosen.platforms == "all"
-    if chosen.model == "coupler":
-        return bool(build_coupler(chosen.out, kinds, chosen.coupler, every))
-    if chosen.model == "sensor":
-        return bool(build_sensor(chosen.out, kinds, chosen.wheelsets, every))
-    if chosen.model == "curves":
-        return bool(build_curves(chosen.out, kinds, chosen.line, every))
-    if chosen.model == "train":
-        settings = Settings(brake_model=chosen.brake_model, cells=chosen.cells)
-        return bool(build_train(chosen.out, kinds, chosen.consist, chosen.line, settings, every))
-    names = {"all": list(FMUS), "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
+    names = {"all": [*FMUS, *IN_C], "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
     if chosen.describe:
-        print("\n".join(variable_table(model_of(name)) for name in names), end="")
+        print("\n".join(variable_table(model_of(name)) for name in names if name in FMUS), end="")
         return False
     if chosen.controller:
         kind = "fmi3" if chosen.kind == "fmi3" else "native"
         return bool(build_controller(chosen.controller, chosen.out, chosen.wheelsets, kind))
-    problems = build_all(names, kinds, chosen.out, every)
+    own = {option: getattr(chosen, option) for option in OWN_OPTIONS}
+    problems = build_all(names, kinds, chosen.out, every, **own)
     write_sets(names, chosen.out)
     if "native" in kinds:
         build_systems(names, chosen.out, every)

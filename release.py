@@ -30,23 +30,18 @@ from fmu_src.arrays_fmu import binary_of_arrays
 from fmu_src.codegen import generate
 from fmu_src.compile import CompilerError
 from fmu_src.native_fmu import PLATFORMS, binary_of, build_native_fmu
-from products.braking_curves.fmu import build_curves, curves_in_c
 from products.building import LINEAR, NATIVE, build_all, extras, license_text, linear_kernel_file, linear_model
 from products.parameter_sets import write_sets
 from products.prebuilt import PAGE, write_contents
 from products.protection.rig_in_c import SHIPPED, binary_of_rig
-from products.protection.sensor_fmu import build_sensor, sensor_in_c
-from products.registry import DIFFERENT, FMUS, model_of
+from products.registry import DIFFERENT, FMUS, IN_C, content_in_c, model_of
 from products.sources import PREBUILT, ROOT
 from products.systems import build_systems
-from products.train.building import build_coupler, build_train
-from products.train.coupler_fmu import coupler_in_c
-from products.train.fmu import train_in_c
 from readers.command_line import CommandLine, check_folder
 from readers.text import BadInputError
 
-#: Wheelsets of the FMUs of wheel-speed sensors: those of the bogie, and of a vehicle with two bogies.
-SENSORS = (BOGIE, 2 * BOGIE)
+#: FMUs of wheel-speed sensors besides those of a bogie: those of a vehicle with two.
+MORE_SENSORS = {"wheelsets": 2 * BOGIE}
 #: Platforms of wheels -> folder in binaries/ of an FMU.
 WHEELS = {
     "manylinux_2_17_x86_64": "linux64",
@@ -78,8 +73,8 @@ def fill(folder: Path, platform: str) -> None:
         kernel = folder / linear_kernel_file(name, suffix)
         kernel.write_bytes(binary_of(generate(linear_model(name)), targets, fmu=False))
     (folder / "train").mkdir(exist_ok=True)
-    for own in (train_in_c(), coupler_in_c(), curves_in_c(), *map(sensor_in_c, SENSORS)):
-        (folder / "train" / f"{own.name}{suffix}").write_bytes(binary_of_arrays(own, targets))
+    for fmu in (*(content_in_c(name, {}) for name in IN_C), content_in_c("sensor", MORE_SENSORS)):
+        (folder / "train" / f"{fmu.given.name}{suffix}").write_bytes(binary_of_arrays(fmu.given, targets))
     rig = folder / f"{SHIPPED}{suffix}"
     rig.parent.mkdir(exist_ok=True)
     rig.write_bytes(binary_of_rig(targets))
@@ -112,16 +107,11 @@ def write_fmus(out: Path) -> None:
     """The native FMUs for FMI 2.0 and 3.0, for all platforms, parameter sets and systems, in one archive."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        if build_all(list(FMUS), NATIVE, folder, all_platforms=True):
+        problems = build_all([*FMUS, *IN_C], NATIVE, folder, all_platforms=True)
+        if problems + build_all(["sensor"], NATIVE, folder, all_platforms=True, **MORE_SENSORS):
             raise CompilerError("An FMU is not valid; nothing was packed")
         write_sets(list(FMUS), folder)
         build_systems(list(FMUS), folder, all_platforms=True)
-        if build_train(folder, NATIVE, all_platforms=True) or build_coupler(folder, NATIVE, all_platforms=True):
-            raise CompilerError("An FMU of trains is not valid; nothing was packed")
-        if any(build_sensor(folder, NATIVE, wheelsets, all_platforms=True) for wheelsets in SENSORS):
-            raise CompilerError("An FMU of sensors is not valid; nothing was packed")
-        if build_curves(folder, NATIVE, all_platforms=True):
-            raise CompilerError("The FMU of braking curves is not valid; nothing was packed")
         made = [path for path in folder.rglob("*") if path.suffix in (".fmu", ".ssp", ".ssv")]
         files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}
     write_archive(out / f"bogie_braking-{__version__}-fmus.zip", files | {"LICENSE": license_text()})

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -47,7 +47,7 @@ class ArraysInC:
     """An object in C that implements arrays.h: its C files by name, and its arrays in the order of their numbers.
 
     stride: between value references of FMI 2.0 from array to array. starts_alone: True if outputs at the start do not
-    depend on inputs and parameters.
+    depend on inputs and parameters. foreign: those of the files that are a user's, which may have warnings.
     """
 
     name: str
@@ -56,6 +56,7 @@ class ArraysInC:
     sources: Mapping[str, str]
     stride: int = ELEMENTS
     starts_alone: bool = False
+    foreign: Collection[str] = ()
 
 
 def token_of(given: ArraysInC) -> str:
@@ -95,30 +96,34 @@ def _about(given: ArraysInC) -> str:
 
 def binary_of_arrays(given: ArraysInC, targets: Sequence[str] = ()) -> bytes:
     """Return the binary for targets of zig, one file for two; none: for this platform. Raises CompilerError."""
-    return binary_for(targets, lambda target: plain_library(all_sources(given), target=target))
+    texts = all_sources(given)
+    ours = {name: text for name, text in texts.items() if name not in given.foreign or name.endswith(".h")}
+    theirs = {name: texts[name] for name in given.foreign}
+    return binary_for(targets, lambda target: plain_library(ours, theirs, target))
 
 
 @dataclass(frozen=True)
-class Lengths:
-    """Lengths of the arrays of one object, and start values of parameters and inputs, in the order of the arrays.
+class ArraysFmu:
+    """Content of an FMU: the object, lengths of its arrays, and start values of parameters and inputs in their order.
 
     data: files that the object reads, by their names in resources/. title: name of the model for people; empty: that of
-    the object.
+    the object. extras: further files of the archive.
     """
 
+    given: ArraysInC
     lengths: Sequence[int]
     starts: Sequence[Sequence[float]]
     step_size: float
     stop_time: float
     data: Mapping[str, bytes] = field(default_factory=dict)
     title: str = ""
+    extras: Mapping[str, bytes] = field(default_factory=dict)
 
 
-def build_arrays_fmu(
-    given: ArraysInC, of: Lengths, path: Path, version: int, binaries: Mapping[str, bytes], extras: Mapping[str, bytes]
-) -> None:
-    """Write the FMU of an object with arrays."""
-    about = (description2 if version == 2 else description3)(given, of)
+def build_arrays_fmu(fmu: ArraysFmu, path: Path, version: int, binaries: Mapping[str, bytes]) -> None:
+    """Write the FMU of an object with arrays; binaries: by their places in binaries/."""
+    given = fmu.given
+    about = (description2 if version == 2 else description3)(fmu)
     files = {"modelDescription.xml": about.encode()}
     files |= {f"binaries/{place}": data for place, data in binaries.items()}
     texts = sources_for(given, version)
@@ -126,8 +131,8 @@ def build_arrays_fmu(
     files |= {f"sources/{name}": text for name, text in standard_headers(version).items()}
     if version == 3:
         files["sources/buildDescription.xml"] = build_description(given).encode()
-    files |= extras
-    write_archive(path, with_data(files, of.data, of.title) if of.data else files)
+    files |= fmu.extras
+    write_archive(path, with_data(files, fmu.data, fmu.title) if fmu.data else files)
 
 
 def sources_for(given: ArraysInC, version: int) -> dict[str, str]:
@@ -190,11 +195,11 @@ def _units(root: ET.Element, given: ArraysInC) -> None:
                 ET.SubElement(element, "DisplayUnit", name=shown, factor=repr(factor))
 
 
-def _categories(root: ET.Element, of: Lengths) -> None:
+def _categories(root: ET.Element, fmu: ArraysFmu) -> None:
     categories = ET.SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", name=name, description=description)
-    times = {"startTime": "0.0", "stopTime": repr(of.stop_time), "stepSize": repr(of.step_size)}
+    times = {"startTime": "0.0", "stopTime": repr(fmu.stop_time), "stepSize": repr(fmu.step_size)}
     ET.SubElement(root, "DefaultExperiment", times)
 
 
@@ -215,19 +220,20 @@ def _nature(one: ArrayVariable) -> dict[str, str]:
     return found
 
 
-def description2(given: ArraysInC, of: Lengths) -> str:
+def description2(fmu: ArraysFmu) -> str:
     """Return modelDescription.xml of FMI 2.0: a variable for each element."""
+    given = fmu.given
     root = _root(given, {"fmiVersion": "2.0", "guid": token_of(given)})
     slave = ET.SubElement(root, "CoSimulation", _claims(given, 2) | {"canNotUseMemoryManagementFunctions": "true"})
     files = ET.SubElement(slave, "SourceFiles")
     for name in _listed(given, 2):
         ET.SubElement(files, "File", name=name)
     _units(root, given)
-    _categories(root, of)
+    _categories(root, fmu)
     variables, outputs = ET.SubElement(root, "ModelVariables"), []
     for number, one in enumerate(given.arrays):
-        for element in range(of.lengths[number]):
-            name = one.name if of.lengths[number] == 1 else f"{one.name}[{element + 1}]"
+        for element in range(fmu.lengths[number]):
+            name = one.name if fmu.lengths[number] == 1 else f"{one.name}[{element + 1}]"
             attributes = {
                 "name": name,
                 "valueReference": str(number * given.stride + element),
@@ -236,7 +242,7 @@ def description2(given: ArraysInC, of: Lengths) -> str:
             variable = ET.SubElement(variables, "ScalarVariable", attributes | _nature(one))
             kind = {} if one.whole else _unit(one)
             if one.causality != "output":
-                kind["start"] = _text(one, of.starts[number][element])
+                kind["start"] = _text(one, fmu.starts[number][element])
             ET.SubElement(variable, "Integer" if one.whole else "Real", kind | _limits(one))
             if one.causality == "output":
                 outputs.append(str(len(variables)))
@@ -264,22 +270,23 @@ def _dependencies(given: ArraysInC, places: tuple[str, str]) -> Iterator[tuple[s
     yield places[1], none if given.starts_alone else {}
 
 
-def description3(given: ArraysInC, of: Lengths) -> str:
+def description3(fmu: ArraysFmu) -> str:
     """Return modelDescription.xml of FMI 3.0: a variable for each array."""
+    given = fmu.given
     root = _root(given, {"fmiVersion": "3.0", "instantiationToken": token_of(given)})
     ET.SubElement(root, "CoSimulation", _claims(given, 3))
     _units(root, given)
-    _categories(root, of)
+    _categories(root, fmu)
     variables, outputs = ET.SubElement(root, "ModelVariables"), []
     for number, one in enumerate(given.arrays):
-        length = of.lengths[number]
+        length = fmu.lengths[number]
         if length == 0:
             continue
         attributes = {"name": one.name, "valueReference": str(number), "description": one.description} | _nature(one)
         if not one.whole:
             attributes |= _unit(one)
         if one.causality != "output":
-            attributes["start"] = " ".join(_text(one, value) for value in of.starts[number])
+            attributes["start"] = " ".join(_text(one, value) for value in fmu.starts[number])
         variable = ET.SubElement(variables, "Int32" if one.whole else "Float64", attributes | _limits(one))
         if length > 1:
             ET.SubElement(variable, "Dimension", start=str(length))

@@ -1,43 +1,20 @@
-"""An FMU (FMI 2.0 or 3.0, co-simulation) around three functions in C, which needs no Python: runtime/step_object.c."""
+"""The content of an FMU around three functions in C, which needs no Python: runtime/step_object.c."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
-
-import fmpy
-
-from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, all_sources, build_arrays_fmu
-from fmu_src.compile import library_suffix, plain_library
-from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, binary_for
+from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, ArrayVariable
 from fmu_src.objects import RUNTIME
 from fmu_src.system import StepInC, Variable
 
 
-def build_step_fmu_in_c(step: StepInC, path: Path, platforms: Sequence[str] = (), version: int = 2) -> None:
-    """Write the FMU with its sources."""
-    known, own = (PLATFORMS, fmpy.platform) if version == 2 else (PLATFORMS3, fmpy.platform_tuple)
-    given, binaries = step_in_c(step), {}
-    for name in platforms or [own]:
-        targets, suffix = known[name] if platforms else ((), library_suffix())
-        binaries[f"{name}/{step.name}{suffix}"] = binary_for(targets, lambda target: _library(step, target))
-    starts = [[one.start] for one in step.model.variables]
-    of = Lengths([1] * len(starts), starts, step.model.step_size, step.model.stop_time)
-    build_arrays_fmu(given, of, path, version, binaries, {})
-
-
-def _library(step: StepInC, target: str | None) -> Path:
-    """Return the path of the binary; the files of a user may have warnings. Raises CompilerError."""
-    texts = all_sources(step_in_c(step))
-    ours = {name: text for name, text in texts.items() if name not in step.sources or name.endswith(".h")}
-    return plain_library(ours, step.sources, target)
-
-
-def step_in_c(step: StepInC) -> ArraysInC:
-    """Return the three functions as an object whose arrays have one element each."""
+def step_in_c(step: StepInC) -> ArraysFmu:
+    """Return the FMU of three functions in C, an object whose arrays have one element each."""
     own = {"step_object.c": (RUNTIME / "step_object.c").read_text(encoding="utf-8"), "step_model.h": _numbers(step)}
-    arrays = tuple(_array(one) for one in step.model.variables)
-    return ArraysInC(step.name, step.description, arrays, {**step.sources, **own}, stride=1, starts_alone=True)
+    model = step.model
+    arrays, sources = tuple(_array(one) for one in model.variables), {**step.sources, **own}
+    given = ArraysInC(step.name, step.description, arrays, sources, 1, True, foreign=tuple(step.sources))
+    starts = [[one.start] for one in model.variables]
+    return ArraysFmu(given, [1] * len(starts), starts, model.step_size, model.stop_time)
 
 
 def _array(one: Variable) -> ArrayVariable:

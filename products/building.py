@@ -10,17 +10,20 @@ from dataclasses import asdict, replace
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
+from typing import Any
 
+import fmpy
 from fmpy.validation import validate_fmu
 
 from brake_controller.protection_fmu import wheel_slide_in_c, wheel_slide_in_python
+from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, binary_of_arrays, build_arrays_fmu
 from fmu_src.chain import ONE_WRITES
 from fmu_src.compile import CompilerError, build_library, compiler, here, in_cache, library_suffix
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.references import reference_files
 from fmu_src.step_fmu import build_step_fmu
-from fmu_src.step_fmu_in_c import build_step_fmu_in_c
+from fmu_src.step_fmu_in_c import step_in_c
 from fmu_src.system import Model, StepInC, StepInPython, Variable
 from fmu_src.terminals import FILE, ICON, terminals_and_icons
 from products.build_notes import remembered, remembered_path
@@ -28,8 +31,7 @@ from products.experiments import experiments_of
 from products.one_level import model_at
 from products.parameter_sets import set_files
 from products.prebuilt import PICTURES, content_of, prebuilt, prebuilt_from_these
-from products.registry import FMUS, model_of
-from products.registry import variables_of as written_variables
+from products.registry import FMUS, IN_C, content_in_c, model_of
 from products.sources import ROOT
 from products.terminals import terminals_of
 from rbd_model.levels.models import model_of_levels, places_of
@@ -39,8 +41,11 @@ from readers.text import BadInputError
 #: Vehicles whose small motions are analysed with `linear_model`.
 LINEAR = ("bogie", "vehicle")
 #: Native for FMI 2.0 and for FMI 3.0; pythonfmu brings its own binaries.
-NATIVE = ("native", "fmi3")
+VERSIONS = {"native": 2, "fmi3": 3}
+NATIVE = tuple(VERSIONS)
 KINDS = (*NATIVE, "python")
+#: Place of the license in an archive.
+LICENSE = "documentation/licenses/license.txt"
 
 
 def license_text() -> bytes:
@@ -65,7 +70,7 @@ def extras(name: str, kind: str) -> dict[str, bytes]:
     results.
     """
     files = {
-        "documentation/licenses/license.txt": license_text(),
+        LICENSE: license_text(),
         FILE: terminals_and_icons(terminals_of(model_of(name))),
     }
     icons = [ICON, "model.png"] if kind == "native" else [ICON]  # FMI 2.0.4 has both places
@@ -180,7 +185,7 @@ def variables_of(name: str) -> dict[str, Variable]:
     """Return the variables of an FMU by name, without writing its equations again."""
 
     def written() -> str:
-        return json.dumps([asdict(variable) for variable in written_variables(name)])
+        return json.dumps([asdict(variable) for variable in model_of(name).variables])
 
     return {
         found["name"]: Variable(**found) for found in json.loads(remembered(name, "variables", [Variable], written))
@@ -202,32 +207,54 @@ def announce(path: Path, seconds: float) -> list[str]:
     return list(problems)
 
 
-def build_all(names: Sequence[str], kinds: Sequence[str], out: Path, all_platforms: bool) -> list[str]:
-    """Builds FMUs, a line each; the problems that fmpy finds."""
-    problems = []
+def build_all(
+    names: Sequence[str], kinds: Sequence[str], out: Path, all_platforms: bool = False, **options: Any
+) -> list[str]:
+    """Build FMUs, a line each; return the problems that fmpy finds. options: of those of IN_C, which are all native."""
+    problems, license_file = [], {LICENSE: license_text()}
+    in_c = {name: content_in_c(name, options) for name in names if name in IN_C}
     for kind in kinds:
-        for name in names:
+        for name in names if kind in NATIVE else [name for name in names if name in FMUS]:
             begin = time.perf_counter()
-            cached = kind in NATIVE and not all_platforms
-            path = copy_fmu(name, kind, out) if cached else write_fmu(name, kind, out, all_platforms)
+            if name in in_c:
+                fmu = replace(in_c[name], extras={**license_file, **in_c[name].extras})
+                path = out / kind / f"{fmu.given.name}.fmu"
+                write_in_c(fmu, path, VERSIONS[kind], all_platforms)
+            elif kind in NATIVE and not all_platforms:
+                path = copy_fmu(name, kind, out)
+            else:
+                path = write_fmu(name, kind, out, all_platforms)
             problems += announce(path, time.perf_counter() - begin)
     return problems
+
+
+def write_in_c(fmu: ArraysFmu, path: Path, version: int = 2, all_platforms: bool = False) -> None:
+    """Write the FMU of an object in C; version: of FMI. Raises CompilerError, OSError."""
+    given, known = fmu.given, {2: PLATFORMS, 3: PLATFORMS3}[version]
+    platform = {2: fmpy.platform, 3: fmpy.platform_tuple}[version]
+    if all_platforms:
+        binaries = {f"{name}/{given.name}{end}": binary_of_arrays(given, zig) for name, (zig, end) in known.items()}
+    else:
+        binaries = {f"{platform}/{given.name}{library_suffix()}": own_binary(given)}
+    build_arrays_fmu(fmu, path, version, binaries)
+
+
+def own_binary(given: ArraysInC) -> bytes:
+    """Return the binary for this platform, of the wheel where no source has changed, or compiled."""
+    path = None if given.foreign else prebuilt_from_these(f"train/{given.name}{library_suffix()}")
+    return path.read_bytes() if path else binary_of_arrays(given)
 
 
 def build_protection(
     out: Path, step: StepInC | StepInPython, all_platforms: bool = False, kind: str = "native"
 ) -> Path:
-    """Writes OUT/KIND/NAME.fmu of a controller in C, all_platforms: of those of zig, or OUT/python/NAME.fmu.
-
-    kind: "native" or "fmi3", of a controller in C.
-    """
+    """Write OUT/KIND/NAME.fmu of a controller in C, or OUT/python/NAME.fmu; kind: one of NATIVE, of that in C."""
     if isinstance(step, StepInPython):
         path = out / "python" / f"{step.name}.fmu"
         build_step_fmu(step, path)
     else:
-        path, version = out / kind / f"{step.name}.fmu", 3 if kind == "fmi3" else 2
-        platforms = list(PLATFORMS3 if version == 3 else PLATFORMS) if all_platforms else []
-        build_step_fmu_in_c(step, path, platforms, version)
+        path = out / kind / f"{step.name}.fmu"
+        write_in_c(step_in_c(step), path, VERSIONS[kind], all_platforms)
     return path
 
 

@@ -45,7 +45,7 @@ def imports_of(path: Path) -> set[Path]:
     """Return the files of the packages that a module imports, also below a condition or within a function."""
     found: set[Path] = set()
     for module, names in IMPORT.findall(path.read_text(encoding="utf-8")):
-        for name in (module, *(f"{module}.{one}" for one in re.findall(r"\w+", names))):
+        for name in (module, *(f"{module}.{one}" for one in re.findall(r"(\w+)(?: as \w+)?", names))):
             found.update(_files_of(name))
     return found
 

@@ -1,18 +1,20 @@
-"""All FMUs. A new one is a function that returns a `Model`, and one line in FMUS."""
+"""All FMUs. A new one is a function that returns a `Model` and a line in FMUS, or an object in C and one in IN_C."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib import import_module
+from typing import Any
 
 from brake_controller.cylinder import brake_cylinder
+from fmu_src.arrays_fmu import ArraysFmu
 from fmu_src.chain import ONE_WRITES
-from fmu_src.system import Model, Variable
+from fmu_src.system import Model
 from products.braked_vehicle import BRAKE, braked_vehicle
 from products.braked_vehicle import CHOICE as CHOICE_OF_BRAKES
 from products.driven_wheelset import driven_wheelset_dynamics
 from rbd_model.levels.models import (
     CHOICE_ON_LINE,
-    EVERY,
     bogie_dynamics,
     coal_wagon_dynamics,
     vehicle_dynamics,
@@ -30,40 +32,50 @@ SELECTORS = ("level", "contact_model")
 class Fmu:
     """The source of an FMU, and the figure of its page, a file in pictures/ in this folder.
 
-    alike: the FMU with the same equations and variables and other parameters. vehicle: its vehicle at all levels;
-    `model` takes the `places` of the required systems. named_by: numbers of the systems that have all of its variables.
-    selectors, choice: of all its systems, as in `Model`, by the numbers in `places`.
+    vehicle: its vehicle at all levels; `model` takes the `places` of the required systems. selectors, choice: of all
+    its systems, as in `Model`, by the numbers in `places`.
     """
 
     model: Callable[..., Model]
     picture: str | None = None
-    alike: str | None = None
     vehicle: Callable[[], Vehicle] | None = None
-    named_by: tuple[int, ...] = ()
     selectors: tuple[str, ...] = SELECTORS
     choice: tuple[int, ...] = CHOICE_ON_LINE
 
 
-#: Systems that together have all variables of a vehicle, in their order: strips include those of patches, the highest
-#: level on a line those of lower ones. Then the system with brakes by flow of air, on level track.
-ON_LINES, BY_FLOW_OF_AIR = (0, 1, 2, 3, 7), len(EVERY)
-
 #: FMUs by their names on the command line and in scenarios.
 FMUS: dict[str, Fmu] = {
-    "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png", vehicle=two_axle_bogie, named_by=ON_LINES),
-    "vehicle": Fmu(vehicle_dynamics, vehicle=passenger_coach, named_by=ON_LINES),
-    "coal-wagon": Fmu(coal_wagon_dynamics, alike="vehicle", vehicle=loaded_coal_wagon, named_by=ON_LINES),
+    "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png", two_axle_bogie),
+    "vehicle": Fmu(vehicle_dynamics, vehicle=passenger_coach),
+    "coal-wagon": Fmu(coal_wagon_dynamics, vehicle=loaded_coal_wagon),
     "braked-vehicle": Fmu(
-        braked_vehicle,
-        vehicle=passenger_coach,
-        named_by=(*ON_LINES, BY_FLOW_OF_AIR),
-        selectors=(*SELECTORS, BRAKE.name),
-        choice=CHOICE_OF_BRAKES,
+        braked_vehicle, vehicle=passenger_coach, selectors=(*SELECTORS, BRAKE.name), choice=CHOICE_OF_BRAKES
     ),
     "wheelset": Fmu(wheelset_dynamics, "wheelset-hunting.png"),
     "brake": Fmu(brake_cylinder, "qr30-180kpa.png"),
     "rail": Fmu(rail_adhesion),
     "driven-wheelset": Fmu(driven_wheelset_dynamics),
+}
+
+
+@dataclass(frozen=True)
+class FmuInC:
+    """An FMU around an object in C: the function of its content, and the options that this takes.
+
+    module: that of the function, in this package; it is imported when the FMU is built.
+    """
+
+    module: str
+    content: str
+    options: tuple[str, ...]
+
+
+#: FMUs without equations in a `Model`, by their names on the command line.
+IN_C: dict[str, FmuInC] = {
+    "train": FmuInC("train.fmu", "train_of_files_fmu", ("consist", "line", "brake_model", "cells")),
+    "coupler": FmuInC("train.coupler_fmu", "named_coupler_fmu", ("coupler",)),
+    "sensor": FmuInC("protection.sensor_fmu", "sensor_fmu", ("wheelsets",)),
+    "curves": FmuInC("braking_curves.fmu", "curves_on_line_fmu", ("line",)),
 }
 
 #: Names that people type for FMUs of the list.
@@ -75,8 +87,10 @@ def fmu_named(name: str) -> str:
     return ALIASES.get(name, name) if isinstance(name, str) else name
 
 
-#: Those with equations of their own; the others have the same ones with other numbers.
-DIFFERENT = [name for name, fmu in FMUS.items() if fmu.alike is None]
+#: FMUs with the equations and variables of another one, and other numbers.
+ALIKE = {"coal-wagon": "vehicle"}
+#: Those with equations of their own.
+DIFFERENT = [name for name in FMUS if name not in ALIKE]
 
 
 def model_of(name: str) -> Model:
@@ -90,8 +104,8 @@ def _written(name: str) -> Model:
     return FMUS[name].model()
 
 
-def variables_of(name: str) -> tuple[Variable, ...]:
-    """The variables of an FMU of the list, of no more equations than have them."""
-    with ONE_WRITES:
-        fmu = FMUS[name]
-        return (fmu.model(places=fmu.named_by) if fmu.named_by else model_of(name)).variables
+def content_in_c(name: str, options: Mapping[str, Any]) -> ArraysFmu:
+    """Return the content of an FMU of IN_C; `options`: by name, its own and others. Raises ValueError, OSError."""
+    fmu = IN_C[name]
+    make = getattr(import_module(f"{__package__}.{fmu.module}"), fmu.content)
+    return make(**{option: options[option] for option in fmu.options if option in options})

@@ -10,12 +10,12 @@ import pytest
 
 import bogie_braking as bb
 from fmu_src.system import Variable
-from products.registry import DIFFERENT, FMUS, variables_of
+from products.registry import DIFFERENT, FMUS, model_of
 
 
 def numbers(name: str) -> list[Variable]:
     """Return the real inputs and parameters of an FMU."""
-    return [one for one in variables_of(name) if one.causality in ("input", "parameter") and one.kind == "real"]
+    return [one for one in model_of(name).variables if one.causality in ("input", "parameter") and one.kind == "real"]
 
 
 @pytest.mark.parametrize("name", FMUS)

@@ -17,7 +17,7 @@ from fmu_src.model_description import model_description, variable_table
 from fmu_src.model_description3 import TYPES, model_description3
 from fmu_src.pages import documentation
 from fmu_src.system import Model, Variable, choosing
-from products.registry import FMUS, model_of, variables_of
+from products.registry import FMUS, model_of
 
 MODELS = [*FMUS, "protection"]
 #: Attributes of XML with a column of the same name, as text and as numbers.
@@ -39,12 +39,6 @@ def rows_of(text: str) -> dict[str, dict[str, str]]:
             row = dict(zip(heads, cells, strict=True))
             found[row["name"].strip("`")] = row
     return found
-
-
-@pytest.mark.parametrize("name", FMUS)
-def test_some_systems_have_all_variables_of_an_fmu(name: str) -> None:
-    """The order is the same: one compiled level has the whole table of variables, but not all levels' equations."""
-    assert variables_of(name) == model_of(name).variables
 
 
 @pytest.mark.parametrize("name", ["brake", "bogie"])

@@ -102,7 +102,7 @@ def fmu_words(name: str | None) -> str:
 def write_parameters(chosen: argparse.Namespace) -> None:
     """Write the parameter set of a vehicle."""
     from fmu_src.parameter_file import parameter_file
-    from products.registry import variables_of
+    from products.building import variables_of
     from products.vehicle_file import read_vehicle
     from rbd_model.contact.pair_file import PAIR_FILE, joined
 
@@ -120,7 +120,7 @@ def write_parameters(chosen: argparse.Namespace) -> None:
     if sheet.profile_files:
         values[PAIR_FILE.variable.name] = joined(sheet.profile_files)
     make_folder_of(path)
-    write_whole(path, parameter_file(sheet.name, text, values, variables_of(sheet.fmu)))
+    write_whole(path, parameter_file(sheet.name, text, values, variables_of(sheet.fmu).values()))
     print(f"{path}  for the FMU {sheet.fmu}")
     if sheet.profile_files:
         print(f"It names {joined(sheet.profile_files)}, which must stay there, for level 3.")

@@ -15,7 +15,7 @@ from fmu_src.arrays_fmu import ArraysInC
 from fmu_src.model_description import variable_table
 from fmu_src.system import Model
 from products.braking_curves.fmu import curves_in_c
-from products.registry import FMUS, model_of
+from products.registry import ALIKE, FMUS, model_of
 from products.train.coupler_fmu import coupler_in_c
 from products.train.fmu import train_in_c
 from products.train.layout import layout
@@ -175,7 +175,7 @@ def numbers_of_a_train() -> str:
 
 def page() -> str:
     """The text of docs/variables.md."""
-    alike = [*(fmu.alike for fmu in FMUS.values()), None]
+    alike = [*map(ALIKE.get, FMUS), None]
     trains = [arrays(curves_in_c()), arrays(train_in_c()), arrays(coupler_in_c()), numbers_of_a_train()]
     return "\n".join([HEAD, choices(), *map(section, models(), alike), *trains])
 

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
-from fmu_src.arrays_fmu import ArraysInC, Lengths, build_arrays_fmu
+from fmu_src.arrays_fmu import ArraysFmu, ArraysInC
 from fmu_src.c_literals import c_number
 from products.braking_curves.gradients_of_line import gradients_of
 from products.braking_curves.variables import AT_ANY_DISTANCE, FARTHEST, STANDSTILL, UNUSED, every
-from products.building import announce, license_text
 from products.supervision.gradients import STEEPEST, Gradients
 from products.supervision.steps import FASTEST_BOUNDARY
 from products.supervision.train import A_SHARE
-from products.train.fmu import binaries_of
 from rbd_model.track.line_files import line_from_file
 from readers.text import BadInputError
 
@@ -62,19 +58,20 @@ def _header() -> str:
     return "\n".join(lines) + "\n"
 
 
-def build_curves_fmu(
-    path: Path, version: int = 3, gradients: Gradients | None = None, *, all_platforms: bool = False
-) -> None:
-    """Write the FMU, for FMI 2 or 3."""
-    given, starts = curves_in_c(), [starts for _, starts in every()]
+def curves_fmu(gradients: Gradients | None = None) -> ArraysFmu:
+    """Return the FMU of the curves, with the gradients of a line. Raises BadInputError."""
     rows: list[float] = []
     if gradients is not None:
         _check(gradients)
         rows = [*gradients.starts, *gradients.permille]
     data = {"gradients.bin": np.array([len(rows) // 2, *rows], "<f8").tobytes()}
-    of = Lengths([len(one) for one in starts], starts, STEP, STOP, data)
-    files = {"documentation/licenses/license.txt": license_text()}
-    build_arrays_fmu(given, of, path, version, binaries_of(given, version, all_platforms), files)
+    starts = [starts for _, starts in every()]
+    return ArraysFmu(curves_in_c(), [len(values) for values in starts], starts, STEP, STOP, data)
+
+
+def curves_on_line_fmu(line: Path | None = None) -> ArraysFmu:
+    """Return the FMU of the curves, with the gradients of the line in a file. Raises ValueError, OSError."""
+    return curves_fmu(gradients_of(line_from_file(line)) if line else None)
 
 
 def _check(gradients: Gradients) -> None:
@@ -89,13 +86,3 @@ def _check(gradients: Gradients) -> None:
             f"Places of {NAME}.fmu must be from {-FARTHEST:g} to {FARTHEST:g} m; got a gradient at {far:g} m. "
             "Give a part of the line."
         )
-
-
-def build_curves(out: Path, kinds: Sequence[str], line: Path | None = None, all_platforms: bool = False) -> list[str]:
-    """Write OUT/KIND/BrakingCurves.fmu; return the problems found by fmpy."""
-    problems, gradients = [], gradients_of(line_from_file(line)) if line else None
-    for kind in kinds:
-        begin, path = time.perf_counter(), out / kind / f"{NAME}.fmu"
-        build_curves_fmu(path, 2 if kind == "native" else 3, gradients, all_platforms=all_platforms)
-        problems += announce(path, time.perf_counter() - begin)
-    return problems

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
 from brake_controller.protection_fmu import BOGIE, PERIOD, named
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TEETH, TIMER
 from brake_controller.slide_protection import RIG
-from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, build_arrays_fmu
+from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, ArrayVariable
 from fmu_src.c_literals import c_array, c_number
-from products.building import announce, license_text
 from products.machine import coach
 from products.protection.settings import LONGEST_PERIOD, MOST_PULSES, SHORTEST_PERIOD
-from products.train.fmu import binaries_of
 
 FOLDER = Path(__file__).parent
 NAME = "WheelSpeedSensor"
@@ -60,21 +56,7 @@ def sensor_in_c(wheelsets: int = BOGIE) -> ArraysInC:
     return ArraysInC(named(NAME, wheelsets), about, tuple(variables), sources, stride=1, starts_alone=True)
 
 
-def build_sensor_fmu(path: Path, wheelsets: int = BOGIE, version: int = 3, *, all_platforms: bool = False) -> None:
-    """Write the FMU of the sensors of all wheelsets, for FMI 2 or 3."""
-    given = sensor_in_c(wheelsets)
+def sensor_fmu(wheelsets: int = BOGIE) -> ArraysFmu:
+    """Return the FMU of the sensors of all wheelsets."""
     starts = [[0.0]] * (2 * wheelsets) + [[start] for _, start in parameters()]
-    of = Lengths([1] * len(starts), starts, PERIOD, 10.0)
-    files = {"documentation/licenses/license.txt": license_text()}
-    build_arrays_fmu(given, of, path, version, binaries_of(given, version, all_platforms), files)
-
-
-def build_sensor(out: Path, kinds: Sequence[str], wheelsets: int = BOGIE, all_platforms: bool = False) -> list[str]:
-    """Write OUT/KIND/WheelSpeedSensor.fmu; return the problems found by fmpy."""
-    problems = []
-    for kind in kinds:
-        begin, path = time.perf_counter(), out / kind / f"{named(NAME, wheelsets)}.fmu"
-        version = 2 if kind == "native" else 3
-        build_sensor_fmu(path, wheelsets, version, all_platforms=all_platforms)
-        problems += announce(path, time.perf_counter() - begin)
-    return problems
+    return ArraysFmu(sensor_in_c(wheelsets), [1] * len(starts), starts, PERIOD, 10.0)

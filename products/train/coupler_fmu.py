@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 
-from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, build_arrays_fmu
+from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, ArrayVariable
 from fmu_src.c_literals import c_array, c_number
 from fmu_src.codegen import RUNTIME
 from fmu_src.equations_in_c import function_of_cells
-from products.train.fmu import binaries_of
+from products.train.coupler_tables import coupler_named
 from products.train.layout_in_c import layout_in_c
 from products.train.library import FOLDER
 from rbd_model.train.coupler import COUPLER, Coupler, coupling
@@ -44,17 +43,12 @@ def coupler_in_c() -> ArraysInC:
     return ArraysInC(NAME, "A coupler with friction that sticks, between two vehicles of a train", ARRAYS, own)
 
 
-def build_coupler_fmu(
-    coupler: Coupler,
-    path: Path,
-    version: int = 3,
-    *,
-    all_platforms: bool = False,
-    extras: dict[str, bytes] | None = None,
-) -> None:
-    """Writes the FMU of a coupler, for FMI 2 or 3. extras: more files of the archive. Raises CompilerError."""
-    constants = np.array(coupler.constants(), "<f8")
-    data = {"coupler.bin": constants.tobytes()}
-    of = Lengths([1] * len(ARRAYS), [[0.0], [1.0], [0.0], [0.0], [0.0]], 0.001, 10.0, data)
-    binaries = binaries_of(coupler_in_c(), version, all_platforms)
-    build_arrays_fmu(coupler_in_c(), of, path, version, binaries, extras or {})
+def coupler_fmu(coupler: Coupler) -> ArraysFmu:
+    """Return the FMU of a coupler."""
+    data = {"coupler.bin": np.array(coupler.constants(), "<f8").tobytes()}
+    return ArraysFmu(coupler_in_c(), [1] * len(ARRAYS), [[0.0], [1.0], [0.0], [0.0], [0.0]], 0.001, 10.0, data)
+
+
+def named_coupler_fmu(coupler: str = "screw") -> ArraysFmu:
+    """Return the FMU of a coupler by `coupler_named`. Raises ValueError, OSError."""
+    return coupler_fmu(coupler_named(coupler))

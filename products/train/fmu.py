@@ -6,19 +6,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import fmpy
 import numpy as np
 
-from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, binary_of_arrays, build_arrays_fmu
-from fmu_src.compile import library_suffix
-from fmu_src.native_fmu import PLATFORMS, PLATFORMS3
-from products.prebuilt import contents, shipped, sources_here
+from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, ArrayVariable
 from products.train import layout
-from products.train.consist import Consist
+from products.train.consist import Consist, block_train
+from products.train.consist_writer import toml_of_rows
+from products.train.foreign import consist_from
 from products.train.layout import START_FRICTION, START_PIPE_PRESSURE, Array
 from products.train.library import FOLDER, sources
 from products.train.numbers import Settings, numbers_of
-from rbd_model.track.line import Line
+from rbd_model.track.line import Line, read_line
 
 NAME = "TrainDynamics"
 
@@ -59,8 +57,10 @@ def train_in_c() -> ArraysInC:
     return ArraysInC(NAME, about, ARRAYS, sources() | own)
 
 
-def lengths_of(consist: Consist) -> Lengths:
-    """Return the lengths of the arrays of a consist in their order, with start values."""
+def train_fmu(
+    consist: Consist, settings: Settings | None = None, line: Line | None = None, title: str = ""
+) -> ArraysFmu:
+    """Return the FMU of a consist on a line; title: name of the model for people."""
     vehicles = len(consist.vehicles)
     valves = sum(one.valve is not None for one in consist.vehicles)
     counts = {"one": 1, "ends": 2, "valves": valves, "vehicles": vehicles, "couplings": vehicles - 1}
@@ -72,44 +72,21 @@ def lengths_of(consist: Consist) -> Lengths:
     starts[names.index("driver_position")] = [1.0, *[0.0] * (valves - 1)]
     starts[names.index("friction")] = [START_FRICTION] * vehicles
     starts[names.index("coupling_closed")] = [1.0] * (vehicles - 1)
-    return Lengths(lengths, starts, 0.01, 60.0)
-
-
-def own_binary(given: ArraysInC) -> bytes:
-    """The binary for this platform, of the wheel where no source has changed, or compiled. Raises CompilerError."""
-    path = shipped(f"train/{given.name}{library_suffix()}")
-    if path and contents().get("sources") == sources_here():
-        return path.read_bytes()
-    return binary_of_arrays(given)
-
-
-def binaries_of(given: ArraysInC, version: int, all_platforms: bool) -> dict[str, bytes]:
-    """Return the binaries by their places in binaries/."""
-    if not all_platforms:
-        platform = fmpy.platform if version == 2 else fmpy.platform_tuple
-        return {f"{platform}/{given.name}{library_suffix()}": own_binary(given)}
-    known = PLATFORMS if version == 2 else PLATFORMS3
-    return {
-        f"{name}/{given.name}{suffix}": binary_of_arrays(given, targets) for name, (targets, suffix) in known.items()
-    }
-
-
-def build_train_fmu(
-    consist: Consist,
-    path: Path,
-    version: int = 3,
-    *,
-    settings: Settings | None = None,
-    line: Line | None = None,
-    all_platforms: bool = False,
-    extras: dict[str, bytes] | None = None,
-    title: str = "",
-) -> None:
-    """Writes the FMU of a consist on a line, for FMI 2 or 3.
-
-    extras: more files of the archive. title: name of the model for people. Raises CompilerError.
-    """
     numbers = np.ascontiguousarray(numbers_of(consist, settings or Settings(), line), "<f8")
-    of = replace(lengths_of(consist), data={"train.bin": numbers.tobytes()}, title=title)
-    binaries = binaries_of(train_in_c(), version, all_platforms)
-    build_arrays_fmu(train_in_c(), of, path, version, binaries, extras or {})
+    return ArraysFmu(train_in_c(), lengths, starts, 0.01, 60.0, {"train.bin": numbers.tobytes()}, title)
+
+
+def train_of_files_fmu(
+    consist: Path | None = None, line: Path | None = None, brake_model: str = "whole", cells: float = 2.0
+) -> ArraysFmu:
+    """Return the FMU of a consist on a line from files, by default 20 wagons; the consist's file is in it.
+
+    Raises ValueError, OSError.
+    """
+    own, imported = consist_from(consist) if consist else (block_train(20), None)
+    along = read_line(line) if line else None
+    fmu = train_fmu(own, Settings(brake_model=brake_model, cells=cells), along, consist.stem if consist else "")
+    if consist and imported:
+        print(f"{consist}: {len(imported.assumed)} assumptions; bogie-braking consist import {consist} prints them.")
+        return replace(fmu, extras={f"resources/{consist.stem}.toml": toml_of_rows(imported.rows).encode()})
+    return replace(fmu, extras={f"resources/{consist.name}": consist.read_bytes()}) if consist else fmu

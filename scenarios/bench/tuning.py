@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from bogie_braking.reporting.progress import counting
 from brake_controller.slide_protection import SlideProtectionParameters, common_protection
 from products.machine import bogie
 from products.protection.controller_kinds import ManyControllers
@@ -22,7 +23,6 @@ from products.protection.runs import Run
 from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from products.study.points import process_pool
-from bogie_braking.reporting.progress import counting
 
 Numbers = NDArray[np.float64]
 #: Period of the controllers and of the integration steps [s].

@@ -25,9 +25,9 @@ from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.cosimulation.master import Connection, Coupling, cosimulate
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import FmuInstance
-from products.braking_curves.fmu import build_curves_fmu
+from products.braking_curves.fmu import curves_fmu
 from products.braking_curves.train_data import fmu_parameters
-from products.building import build_protection, up_to_date
+from products.building import build_protection, up_to_date, write_in_c
 from products.coach import NUMBERS
 from products.machine import FULL_PRESSURE, coach
 from products.supervision import SupervisedTrain
@@ -206,7 +206,7 @@ def run(options: Options) -> Report:
     train = train_data()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:  # Windows removes no loaded library
         folder = Path(name)
-        build_curves_fmu(folder / "BrakingCurves.fmu", 2)
+        write_in_c(curves_fmu(), folder / "BrakingCurves.fmu", 2)
         build_protection(folder, wheel_slide_protection(len(NUMBERS)))
         found = {name: stop(case, train, folder) for name, case in counting(CASES.items(), "stops", unit="stop")}
     remarks = [

@@ -115,7 +115,7 @@ def _train(folder: Path) -> list[str]:
 
 def _controller(folder: Path) -> Mapping[str, str]:
     (folder / "counts.c").write_text(COUNTS)
-    return all_sources(step_in_c(wheel_slide_in_c(folder / "counts.c")))
+    return all_sources(step_in_c(wheel_slide_in_c(folder / "counts.c")).given)
 
 
 @dataclass(frozen=True)

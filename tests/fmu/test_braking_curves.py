@@ -14,8 +14,9 @@ from fmpy.validation import validate_fmu
 
 import build_fmu
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
-from products.braking_curves.fmu import build_curves_fmu
+from products.braking_curves.fmu import curves_fmu
 from products.braking_curves.train_data import fmu_parameters
+from products.building import write_in_c
 from products.supervision import FixedValues, Gradients, NationalValues, Steps, SupervisedTrain, supervise
 from readers.text import BadInputError
 from tests.supervision.random_trains import one_of, trains
@@ -40,7 +41,7 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     def built(version: int = 2, gradients: Gradients | None = None) -> Path:
         path = folder / f"{version}{'-line' if gradients else ''}.fmu"
         if not path.exists():
-            build_curves_fmu(path, version, gradients)
+            write_in_c(curves_fmu(gradients), path, version)
         return path
 
     return built
@@ -289,7 +290,7 @@ def test_train_data_that_the_fmu_does_not_have_are_refused() -> None:
 def test_a_line_that_the_fmu_would_not_read_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     many = Gradients(np.arange(100_001.0), np.arange(100_001) % 2)
     with pytest.raises(BadInputError, match="at most 100000 gradients; got 100001"):
-        build_curves_fmu(tmp_path / "many.fmu", 2, many)
+        write_in_c(curves_fmu(many), tmp_path / "many.fmu", 2)
     line = tmp_path / "line.csv"
     far, steep = "0,0,0,0\n2e6,0,0,0.01\n3e6,0,0,0.01", "0,0,0,0.5\n9,0,0,0"
     for rows, words in ((far, "got a gradient at 2e+06 m"), (steep, "got 0.5 at 0 m")):

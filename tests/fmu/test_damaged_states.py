@@ -17,13 +17,14 @@ import bogie_braking as bb
 from brake_controller.protection_fmu import wheel_slide_in_c
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library, SimulationError
-from fmu_src.step_fmu_in_c import build_step_fmu_in_c
-from products.braking_curves.fmu import build_curves_fmu
-from products.protection.sensor_fmu import build_sensor_fmu
+from fmu_src.step_fmu_in_c import step_in_c
+from products.braking_curves.fmu import curves_fmu
+from products.building import write_in_c
+from products.protection.sensor_fmu import sensor_fmu
 from products.registry import DIFFERENT
 from products.train.consist import block_train
-from products.train.coupler_fmu import build_coupler_fmu
-from products.train.fmu import build_train_fmu
+from products.train.coupler_fmu import coupler_fmu
+from products.train.fmu import train_fmu
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.train.coupler import screw_coupler
@@ -51,15 +52,15 @@ def built(name: str, kind: str, fmus: dict, folder: Path) -> Path:
     if name in DIFFERENT:
         return Path(fmus[name, kind])
     if name == "train":
-        build_train_fmu(block_train(3), path, FACES[kind])
+        write_in_c(train_fmu(block_train(3)), path, FACES[kind])
     elif name == "coupler":
-        build_coupler_fmu(screw_coupler(), path, FACES[kind])
+        write_in_c(coupler_fmu(screw_coupler()), path, FACES[kind])
     elif name == "sensor":
-        build_sensor_fmu(path, version=FACES[kind])
+        write_in_c(sensor_fmu(), path, FACES[kind])
     elif name == "curves":
-        build_curves_fmu(path, FACES[kind])
+        write_in_c(curves_fmu(), path, FACES[kind])
     else:
-        build_step_fmu_in_c(wheel_slide_in_c(controller(folder)), path, version=FACES[kind])
+        write_in_c(step_in_c(wheel_slide_in_c(controller(folder))), path, FACES[kind])
     return path
 
 

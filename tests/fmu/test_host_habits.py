@@ -12,8 +12,9 @@ from fmpy import platform
 
 from fmu_src.compile import FLAGS, compiler
 from fmu_src.objects import RUNTIME
-from products.train.building import block_train
-from products.train.fmu import build_train_fmu
+from products.building import write_in_c
+from products.train.consist import block_train
+from products.train.fmu import train_fmu
 from tests.fmu.hosting import ERROR, OK, host
 
 NATIVE = ["native", "fmi3"]
@@ -101,7 +102,7 @@ def test_unmasked_floating_point_exceptions_do_not_end_a_host(level: int, fmus: 
 
 @pytest.mark.skipif(platform != "linux64", reason="feenableexcept is glibc's, and the masks are those of x86")
 def test_unmasked_floating_point_exceptions_do_not_end_the_host_of_a_train(tmp_path: Path) -> None:
-    build_train_fmu(block_train(3), tmp_path / "train.fmu", 2)
+    write_in_c(train_fmu(block_train(3)), tmp_path / "train.fmu", 2)
     assert trapped(tmp_path / "train.fmu", 0) == 0
 
 

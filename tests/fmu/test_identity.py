@@ -15,11 +15,11 @@ import bogie_braking as bb
 from fmu_src.archive import contents_of
 from fmu_src.identity import FILE, token_in, with_data
 from fmu_src.ssp import Component, write_ssp
-from products.train.building import block_train
-from products.train.consist import Consist
-from products.train.coupler_fmu import build_coupler_fmu
+from products.building import write_in_c
+from products.train.consist import Consist, block_train
+from products.train.coupler_fmu import coupler_fmu
 from products.train.coupler_tables import coupler_named
-from products.train.fmu import build_train_fmu
+from products.train.fmu import train_fmu
 from products.train.numbers import Settings
 from rbd_model.contact.geometry import european_pair
 from rbd_model.contact.pair_file import write_pair
@@ -41,7 +41,7 @@ def written(name: str, folder: Path, kind: str = "native", more: str = "") -> Pa
 
 def train(consist: Consist, folder: Path, **how: object) -> str:
     """Return the GUID of a train."""
-    build_train_fmu(consist, folder / "train.fmu", 2, **how)  # type: ignore[arg-type]
+    write_in_c(train_fmu(consist, **how), folder / "train.fmu", 2)  # type: ignore[arg-type]
     return token_in(contents_of(folder / "train.fmu")["modelDescription.xml"].decode())
 
 
@@ -93,12 +93,12 @@ def of_profiles(folder: Path, kind: str) -> Path:
 
 
 def of_a_train(folder: Path, kind: str) -> Path:
-    build_train_fmu(block_train(2), folder / "train.fmu", FACES[kind])
+    write_in_c(train_fmu(block_train(2)), folder / "train.fmu", FACES[kind])
     return folder / "train.fmu"
 
 
 def of_a_coupler(folder: Path, kind: str) -> Path:
-    build_coupler_fmu(coupler_named("screw"), folder / "coupler.fmu", FACES[kind])
+    write_in_c(coupler_fmu(coupler_named("screw")), folder / "coupler.fmu", FACES[kind])
     return folder / "coupler.fmu"
 
 

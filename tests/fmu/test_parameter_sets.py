@@ -11,7 +11,7 @@ from build_fmu import main
 from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.parameter_file import parameter_file
 from products.parameter_sets import PARAMETER_SETS, set_files, write_sets
-from products.registry import FMUS, model_of
+from products.registry import ALIKE, FMUS, model_of
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
 
 
@@ -41,7 +41,7 @@ def test_fmu_takes_its_set_and_gives_it_back(fmus: dict, files: dict[str, Parame
     expected = PARAMETER_SETS[name].values()
     values = {p.name: float(p.value) for p in files[name].parameters}
     assert values == expected
-    with FmuInstance(fmus[FMUS[fmu].alike or fmu, "native"], **values) as slave:
+    with FmuInstance(fmus[ALIKE.get(fmu, fmu), "native"], **values) as slave:
         assert {p.name: p.unit for p in files[name].parameters if p.unit} == {
             p.name: slave.units[p.name] for p in files[name].parameters if p.type == "Real"
         }

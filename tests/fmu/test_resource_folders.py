@@ -22,7 +22,8 @@ from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.system import System, Variable, model_of
-from products.train.coupler_fmu import build_coupler_fmu
+from products.building import write_in_c
+from products.train.coupler_fmu import coupler_fmu
 from rbd_model.track.line_table import along_line
 from rbd_model.train.coupler import screw_coupler
 
@@ -51,7 +52,7 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], Path
     paths["surveyor", "python"] = folder / "surveyor_python.fmu"
     build_python_fmu(model, paths["surveyor", "python"])
     for version, kind in enumerate(KINDS, 2):
-        build_coupler_fmu(screw_coupler(), paths["coupler", kind], version)
+        write_in_c(coupler_fmu(screw_coupler()), paths["coupler", kind], version)
     return paths
 
 

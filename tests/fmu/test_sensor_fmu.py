@@ -12,8 +12,9 @@ from fmpy.validation import validate_fmu
 import build_fmu
 from brake_controller.sensors import LOWEST_FREQUENCY
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
+from products.building import write_in_c
 from products.protection.encoder import Encoder
-from products.protection.sensor_fmu import build_sensor_fmu
+from products.protection.sensor_fmu import sensor_fmu
 
 PERIOD, RADIUS = 5e-3, 0.5
 
@@ -21,7 +22,7 @@ PERIOD, RADIUS = 5e-3, 0.5
 @pytest.fixture(scope="module", params=[2, 3])
 def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("sensor") / f"{request.param}.fmu"
-    build_sensor_fmu(path, 2, request.param)
+    write_in_c(sensor_fmu(2), path, request.param)
     return path
 
 

@@ -14,9 +14,8 @@ from bogie_braking import fmus
 from brake_controller.protection_fmu import MOST_WHEELSETS
 from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
-from products.train.building import build_train
+from products.building import build_all
 from products.train.layout import BRAKE_MODELS
-from products.train.numbers import Settings
 from rbd_model.levels.models import places_of
 from rbd_model.track.line import arc, line_of, straight
 from rbd_model.train.coupler import COUPLERS
@@ -100,9 +99,8 @@ def test_a_train_goes_at_each_depth_with_any_number_of_cells_on_a_line(kind: str
     for brake_model, cells in (
         product(BRAKE_MODELS, cells_of) if kind == "fmi3" else zip(BRAKE_MODELS, cells_of, strict=True)
     ):
-        assert not build_train(
-            tmp_path, [kind], tmp_path / "consist.csv", line, Settings(brake_model=brake_model, cells=cells)
-        )
+        options = {"consist": tmp_path / "consist.csv", "line": line, "brake_model": brake_model, "cells": cells}
+        assert not build_all(["train"], [kind], tmp_path, **options)
         goes(tmp_path / kind / "TrainDynamics.fmu")
 
 

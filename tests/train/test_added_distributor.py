@@ -19,11 +19,12 @@ from brake_controller.distributors.distributor import Answer, Distributor, Distr
 from brake_controller.distributors.uic import UIC, UicDistributor
 from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.system import quantity
+from products.building import write_in_c
 from products.train import library
 from products.train.consist import Consist, TrainVehicle, block_train
 from products.train.consist_file import consist_of
 from products.train.consist_writer import rows_of
-from products.train.fmu import build_train_fmu
+from products.train.fmu import train_fmu
 from products.train.numbers import Settings
 from products.train.pipe import Outside, Pipe
 from products.train.train import Train
@@ -159,7 +160,7 @@ def test_a_consist_picks_it_by_its_name_and_an_fmu_has_it(tmp_path: Path) -> Non
     assert kinds == [False, False, False, True, True]
     assert consist.vehicles[-1].distributor == of_choke("G")
     assert consist.vehicles[-1].percentage > 0.0
-    build_train_fmu(consist, tmp_path / "train.fmu", 2)
+    write_in_c(train_fmu(consist), tmp_path / "train.fmu", 2)
     own = Train(consist)
     own.advance(1.0)
     with FmuInstance(tmp_path / "train.fmu") as fmu:

@@ -14,7 +14,8 @@ from fmpy.validation import validate_fmu
 import build_fmu
 from fmu_src.cosimulation.faces import face_of
 from fmu_src.cosimulation.slave import FmuInstance
-from products.train.coupler_fmu import build_coupler_fmu
+from products.building import write_in_c
+from products.train.coupler_fmu import coupler_fmu
 from rbd_model.train.coupler import Coupler, Curve
 from tests.fmu.hosting import sign
 
@@ -26,7 +27,7 @@ def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     """Build a coupler with straight loading and unloading lines, symmetric in both directions."""
     load, back = (Curve((0.0, 1.0), (0.0, stiffness)) for stiffness in (LOADING, UNLOADING))
     path = tmp_path_factory.mktemp("coupler") / f"{request.param}.fmu"
-    build_coupler_fmu(Coupler("lines", LOCKED, (load, back), (load, back)), path, request.param)
+    write_in_c(coupler_fmu(Coupler("lines", LOCKED, (load, back), (load, back))), path, request.param)
     return path
 
 

@@ -11,9 +11,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fmu_src.cosimulation.slave import FmuInstance
+from products.building import write_in_c
 from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
-from products.train.fmu import build_train_fmu
+from products.train.fmu import train_fmu
 from products.train.numbers import Settings
 from products.train.summary import stopping_distance
 from products.train.train import Train
@@ -283,7 +284,7 @@ def test_a_run_with_electric_brakes_is_saved_and_restored() -> None:
 
 def test_the_fmu_of_a_metro_is_the_train(tmp_path: Path) -> None:
     consist = consist_of([METRO | {"valve": "head", "dead_time": 0.4}, METRO])
-    build_train_fmu(consist, tmp_path / "TrainDynamics.fmu", 2, settings=Settings("whole", cells=1.0))
+    write_in_c(train_fmu(consist, settings=Settings("whole", cells=1.0)), tmp_path / "TrainDynamics.fmu", 2)
     train = Train(consist, speed=20.0, settings=Settings("whole", cells=1.0))
     train.drive("emergency")
     with FmuInstance(tmp_path / "TrainDynamics.fmu") as one:

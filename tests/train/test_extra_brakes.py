@@ -13,9 +13,10 @@ import pytest
 from scipy.integrate import quad
 
 from fmu_src.cosimulation.slave import FmuInstance
+from products.building import write_in_c
 from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
-from products.train.fmu import build_train_fmu
+from products.train.fmu import train_fmu
 from products.train.numbers import Settings
 from products.train.summary import summary_of
 from products.train.train import Train
@@ -311,7 +312,7 @@ def test_brakes_that_do_not_act_change_no_bit_and_add_no_column_without_magnets(
 def test_the_fmu_brakes_as_the_train_does(tmp_path: Path) -> None:
     rows = [BARE | {"magnetic_attraction": 150.0, "parking_force": 20.0}, {"kind": "coach", **EDDY}]
     consist, settings = consist_of(rows), Settings("whole", cells=1.0)
-    build_train_fmu(consist, tmp_path / "TrainDynamics.fmu", 2, settings=settings)
+    write_in_c(train_fmu(consist, settings=settings), tmp_path / "TrainDynamics.fmu", 2)
     train = Train(consist, speed=30.0, settings=settings)
     train.inputs["track_brake"], train.inputs["parking_brake"] = [0.0, 0.6], [0.5, 0.0]
     train.drive("emergency")

@@ -12,7 +12,7 @@ import pytest
 
 import bogie_braking as bb
 from bogie_braking.__main__ import main
-from products.train.building import build_train
+from products.building import build_all
 from products.train.columns import MOST, VEHICLE
 from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
@@ -296,7 +296,7 @@ def test_a_train_of_another_program_runs_with_its_account(tmp_path: Path) -> Non
 def test_an_fmu_of_another_programs_train_has_its_rows(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "unit.json"
     path.write_text(json.dumps(OSRD))
-    assert build_train(tmp_path, ["native"], consist=path) == []
+    assert build_all(["train"], ["native"], tmp_path, consist=path) == []
     assert "assumptions; bogie-braking consist import" in capsys.readouterr().out
     with zipfile.ZipFile(tmp_path / "native" / "TrainDynamics.fmu") as packed:
         (tmp_path / "again.toml").write_bytes(packed.read("resources/unit.toml"))

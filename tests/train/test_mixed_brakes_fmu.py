@@ -12,8 +12,9 @@ from fmpy import read_model_description
 import bogie_braking as bb
 from brake_controller.distributors import pneumatic
 from fmu_src.cosimulation.slave import FmuInstance
+from products.building import write_in_c
 from products.train.columns import NAMES
-from products.train.fmu import INPUTS, OUTPUTS, PARAMETERS, build_train_fmu
+from products.train.fmu import INPUTS, OUTPUTS, PARAMETERS, train_fmu
 from products.train.train import Train
 
 STEP, COUNT, SPEED = 0.25, 80, 25.0
@@ -87,7 +88,7 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     """Return the FMUs of the train by version of FMI."""
     folder, consist = tmp_path_factory.mktemp("mixed"), bb.train(ROWS).consist
     for version in (2, 3):
-        build_train_fmu(consist, folder / f"{version}.fmu", version)
+        write_in_c(train_fmu(consist), folder / f"{version}.fmu", version)
     return {version: folder / f"{version}.fmu" for version in (2, 3)}
 
 

@@ -9,9 +9,9 @@ import pytest
 
 from fmu_src.cosimulation.master import Connection, Coupling
 from fmu_src.cosimulation.slave import FmuInstance
-from products.building import up_to_date
+from products.building import up_to_date, write_in_c
 from products.coach import COACH, NUMBERS
-from products.train.fmu import build_train_fmu
+from products.train.fmu import train_fmu
 from products.train.train import Train
 from rbd_model.train.coupler import screw_coupler
 from scenarios.bench.mixed_train import (
@@ -45,7 +45,7 @@ def test_the_default_way_is_the_train_as_one_system() -> None:
 def test_fmus_coupled_by_the_master_give_the_numbers_of_one_process(tmp_path: Path) -> None:
     """The connections are those of docs/train-couplers.md; the train is stepped first (Gauss-Seidel)."""
     path = tmp_path / "train.fmu"
-    build_train_fmu(consist_of(screw_coupler()), path, 2)
+    write_in_c(train_fmu(consist_of(screw_coupler())), path, 2)
     one = mixed(screw_coupler(), 2, "corrected")
     one.train.drive("emergency")
     for _ in range(round(LONG / STEP)):

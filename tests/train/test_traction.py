@@ -12,10 +12,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fmu_src.cosimulation.slave import FmuInstance
+from products.building import write_in_c
 from products.train.consist import Consist
 from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
-from products.train.fmu import build_train_fmu
+from products.train.fmu import train_fmu
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
@@ -241,7 +242,7 @@ def test_a_run_with_traction_is_saved_and_restored() -> None:
 def test_the_fmu_of_a_train_with_traction_is_the_train(tmp_path: Path) -> None:
     rows = [LOCOMOTIVE | {"adhesion": "curtius-kniffler", "traction_rise": 3.0}, {"kind": "wagon", "count": 2}]
     consist = consist_of(rows)
-    build_train_fmu(consist, tmp_path / "TrainDynamics.fmu", 2, settings=Settings("whole", cells=1.0))
+    write_in_c(train_fmu(consist, settings=Settings("whole", cells=1.0)), tmp_path / "TrainDynamics.fmu", 2)
     train = Train(consist, settings=Settings("whole", cells=1.0))
     train.inputs["traction"][0] = 1.0
     with FmuInstance(tmp_path / "TrainDynamics.fmu") as one:

@@ -23,8 +23,9 @@ from fmu_src.arrays_fmu import all_sources
 from fmu_src.compile import FLAGS, compiler, objects_of
 from fmu_src.cosimulation.faces import face_of
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
+from products.building import write_in_c
 from products.train.consist import Consist, block_train
-from products.train.fmu import OUTPUTS, build_train_fmu, train_in_c
+from products.train.fmu import OUTPUTS, train_fmu, train_in_c
 from products.train.layout import layout
 from products.train.library import functions
 from products.train.numbers import Settings, numbers_of
@@ -47,7 +48,7 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, int], Path
     folder = tmp_path_factory.mktemp("trains")
     found = {(name, version): folder / f"{name}{version}.fmu" for name in CONSISTS for version in (2, 3)}
     for (name, version), path in found.items():
-        build_train_fmu(CONSISTS[name], path, version)
+        write_in_c(train_fmu(CONSISTS[name]), path, version)
     return found
 
 
@@ -211,7 +212,7 @@ def test_wheels_that_lock_are_told(version: int, fmus: dict[tuple[str, int], Pat
 def test_an_fmu_on_a_map_of_friction_is_the_train_on_it(version: int, tmp_path: Path) -> None:
     level = Line({"distance": np.array([-500.0, 500.0]), "gradient": np.zeros(2), "curvature": np.zeros(2)})
     leaves = level.with_friction([-40.0, 0.0, 80.0, 300.0], [1.0, 0.2, 0.05, 1.0])
-    build_train_fmu(SHORT, tmp_path / "leaves.fmu", version, line=leaves)
+    write_in_c(train_fmu(SHORT, line=leaves), tmp_path / "leaves.fmu", version)
     host, own = started(tmp_path / "leaves.fmu"), Train(SHORT, speed=SPEED, line=leaves)
     own.drive("emergency")
     with host.slave:
@@ -306,7 +307,7 @@ def test_it_is_valid_and_arrays_have_the_lengths_of_the_consist(
 def test_a_locomotive_alone_is_a_train(tmp_path: Path) -> None:
     for version in (2, 3):
         path = tmp_path / f"alone{version}.fmu"
-        build_train_fmu(Consist(SHORT.vehicles[:1]), path, version)
+        write_in_c(train_fmu(Consist(SHORT.vehicles[:1])), path, version)
         assert validate_fmu(str(path)) == []
         with FmuInstance(path, start_speed=SPEED) as slave:
             slave.start()
@@ -588,7 +589,7 @@ def test_the_c_is_clean_for_clang_and_for_windows_as_zig_has_them() -> None:
 
 def test_a_cock_that_a_coarse_pipe_does_not_have_is_told(tmp_path: Path) -> None:
     path = tmp_path / "coarse.fmu"
-    build_train_fmu(CONSISTS["long"], path, 3, settings=Settings(cells=0.5))
+    write_in_c(train_fmu(CONSISTS["long"], settings=Settings(cells=0.5)), path, 3)
     host = started(path)
     with host.slave:
         joined = [0.0] * (len(CONSISTS["long"].vehicles) - 1)
