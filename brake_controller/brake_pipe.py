@@ -18,7 +18,7 @@ import casadi as ca
 
 from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY, HEAT_CAPACITY_RATIO, elliptic_flow, mass_flow
 from fmu_src.chain import function_of
-from fmu_src.system import Field
+from fmu_src.variables import Field
 
 _K = HEAT_CAPACITY_RATIO
 #: Heat capacity at constant volume [J/(kg.K)].

@@ -11,7 +11,8 @@ import math
 from dataclasses import dataclass
 
 from brake_controller.air import AMBIENT, DISCHARGE, WALL
-from fmu_src.system import Field, ParameterSet, quantity
+from fmu_src.system import ParameterSet, quantity
+from fmu_src.variables import Field
 
 #: Positions, by the value that a host sets.
 POSITIONS = {"shut-off": 0, "running": 1, "overcharge": 2, "service": 3, "emergency": 4}

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from brake_controller.pneumatics import APPLY, VALVE
 from brake_controller.slide_protection import RIG, SlideProtectionParameters, slide_sources
-from fmu_src.system import StepInC, StepInPython, Variable, choosing
+from fmu_src.step_model import StepInC, StepInPython
+from fmu_src.system import Variable, choosing
 
 #: Place of the protocol and the supervision, which travel with a class.
 SUPERVISION = Path(__file__).parent / "wheel_slide.py"

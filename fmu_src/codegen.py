@@ -19,8 +19,11 @@ from fmu_src.model_description import model_description
 from fmu_src.objects import FACES, KERNEL, RUNTIME
 from fmu_src.progress import counting
 from fmu_src.record_file import own_name, own_records, record_file_source, record_in_c
-from fmu_src.system import Model, OfRecord, SteadyStart, System, integration_variables, state_variable
+from fmu_src.states import SteadyStart
+from fmu_src.system import Model, System
 from fmu_src.table_file import table_file_source
+from fmu_src.user_files import OfRecord
+from fmu_src.variables import integration_variables, state_variable
 from readers.usual import LEAST_PRESSURE, rows_for_c, usual_range
 
 #: Each calls only those before it; faces belong to FMUs, studies to the library for kernel.py.

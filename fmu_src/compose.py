@@ -13,7 +13,8 @@ from typing import Any
 import casadi as ca
 
 from fmu_src.chain import Call, Waist
-from fmu_src.system import System, Table, Variable
+from fmu_src.system import System, Variable
+from fmu_src.user_files import Table
 
 
 def scope(system: System, before: str = "", after: str = "", common: Collection[str] = ()) -> System:

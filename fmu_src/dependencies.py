@@ -9,7 +9,8 @@ import casadi as ca
 
 from fmu_src.chain import symbols_in
 from fmu_src.exchange import derivative_name, exchanged_states, serves_exchange
-from fmu_src.system import Model, System, state_variable
+from fmu_src.system import Model, System
+from fmu_src.variables import state_variable
 
 #: Symbols, each with its source: an expression, or the symbols in it as `symbols_in` returns them.
 Equations = Sequence[tuple[ca.SX, ca.SX | frozenset[int]]]

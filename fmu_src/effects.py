@@ -8,7 +8,8 @@ import casadi as ca
 import numpy as np
 
 from fmu_src.chain import Part, symbols_in
-from fmu_src.system import Model, System, integration_variables
+from fmu_src.system import Model, System
+from fmu_src.variables import integration_variables
 
 #: Draws of all parameters, their seed, and how far from their start values [decades].
 DRAWS, SEED, DECADES = 16, 29, 1.0

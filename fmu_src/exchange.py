@@ -7,7 +7,9 @@ time.
 
 from __future__ import annotations
 
-from fmu_src.system import NONE, Model, State, System, Variable, state_variable
+from fmu_src.states import State
+from fmu_src.system import NONE, Model, System, Variable
+from fmu_src.variables import state_variable
 
 
 def exchanged(model: Model) -> System | None:

@@ -16,7 +16,8 @@ from fmu_src.model_description import (
     variability,
 )
 from fmu_src.objects import KERNEL, OF_BOTH, OF_SLAVES, able, order_of_rates
-from fmu_src.system import Model, Variable, state_variable
+from fmu_src.system import Model, Variable
+from fmu_src.variables import state_variable
 
 TIME = Variable("time", "output", "s", "Simulation time")
 TYPES = {"real": "Float64", "integer": "Int32", "boolean": "Boolean", "string": "String"}

@@ -10,7 +10,7 @@ from fmu_src.identity import identifier
 from fmu_src.model_description import model_description
 from fmu_src.objects import PYTHON
 from fmu_src.python_fmu import joined, packed
-from fmu_src.system import StepInPython
+from fmu_src.step_model import StepInPython
 
 SLAVE = [Path(__file__).parent / name for name in ("telling_slave.py", "step_slave.py")]
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, ArrayVariable
 from fmu_src.objects import RUNTIME
-from fmu_src.system import StepInC, Variable
+from fmu_src.step_model import StepInC
+from fmu_src.system import Variable
 
 
 def step_in_c(step: StepInC) -> ArraysFmu:

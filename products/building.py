@@ -24,7 +24,8 @@ from fmu_src.python_fmu import build_python_fmu
 from fmu_src.references import reference_files
 from fmu_src.step_fmu import build_step_fmu
 from fmu_src.step_fmu_in_c import step_in_c
-from fmu_src.system import Model, StepInC, StepInPython, Variable
+from fmu_src.step_model import StepInC, StepInPython
+from fmu_src.system import Model, Variable
 from fmu_src.terminals import FILE, ICON, terminals_and_icons
 from products.build_notes import remembered, remembered_path
 from products.experiments import experiments_of

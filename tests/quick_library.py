@@ -14,7 +14,8 @@ from fmu_src.codegen import generate
 from fmu_src.compile import cache
 from fmu_src.kernel import Library
 from fmu_src.records import OwnRecord
-from fmu_src.system import Model, State
+from fmu_src.states import State
+from fmu_src.system import Model
 from products.build_notes import is_there, noted, place_of
 from products.module_files import digest_of
 

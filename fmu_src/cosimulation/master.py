@@ -11,7 +11,7 @@ from typing import NamedTuple
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from fmu_src.progress import counting
-from fmu_src.system import LARGEST_TOLERANCE
+from fmu_src.variables import LARGEST_TOLERANCE
 
 
 class Connection(NamedTuple):

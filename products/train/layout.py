@@ -23,7 +23,8 @@ from brake_controller.parking_brake import ParkingBrake
 from brake_controller.track_brakes import TrackBrakes
 from brake_controller.traction import Traction
 from brake_controller.vehicle_brake import VehicleBrake
-from fmu_src.system import Field, ParameterSet
+from fmu_src.system import ParameterSet
+from fmu_src.variables import Field
 from rbd_model.train.adhesion import ADHESION
 from rbd_model.train.coupler import COUPLER
 from rbd_model.train.vehicle import MOTION

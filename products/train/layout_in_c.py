@@ -15,7 +15,7 @@ from brake_controller.parking_brake import SCREWED
 from brake_controller.track_brakes import ORDERED
 from brake_controller.traction import COMMANDED as DRIVEN
 from fmu_src.c_literals import c_array, c_number, c_text
-from fmu_src.system import Field
+from fmu_src.variables import Field
 from products.train.layout import BRAKE_MODELS, INPUTS, MOST_VALVES, OUTPUTS, START_FRICTION, SUMS, UNBREAKABLE, layout
 from rbd_model.train.coupler import CURVES, FEW_POINTS, POINTS
 from rbd_model.train.vehicle import ACTING, GRAVITY

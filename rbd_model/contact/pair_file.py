@@ -19,7 +19,8 @@ from itertools import chain
 from pathlib import Path
 
 from fmu_src.records import LARGEST_NUMBER, MOST_PIECES, Pieces, Record, RecordKind, TableOfRecord
-from fmu_src.system import RecordFile, Variable
+from fmu_src.system import Variable
+from fmu_src.user_files import RecordFile
 from rbd_model.contact.geometry import GAUGE_DEPTH, Side, Sides, gauge_face
 from rbd_model.contact.pair_table import PAIR, PATCH, SIDE, pair_record
 from readers.columns import number_in, number_of

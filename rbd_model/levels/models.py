@@ -6,7 +6,8 @@ from functools import lru_cache
 from itertools import compress, product
 
 from fmu_src.chain import ONE_WRITES
-from fmu_src.system import NONE, Model, System, Variable, choosing, integration_variables
+from fmu_src.system import NONE, Model, System, Variable, choosing
+from fmu_src.variables import integration_variables
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.depth import DEPTHS, Contact
 from rbd_model.contact.pair_file import PAIR_FILE

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 import casadi as ca
 
-from fmu_src.system import SteadyStart
+from fmu_src.states import SteadyStart
 from rbd_model.body.kinematics import Body
 from rbd_model.vehicle import variables
 from rbd_model.vehicle.assembly import Assembly

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import casadi as ca
 
-from fmu_src.system import Piece, System, TableFile, Variable
+from fmu_src.system import System, Variable
+from fmu_src.user_files import Piece, TableFile
 from readers.columns import Column
 
 #: Distance of the rails' heads over which cant is measured, EN 13803 [m]: its angle is asin(cant / GAUGE).

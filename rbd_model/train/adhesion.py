@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from fmu_src.chain import function_of
-from fmu_src.system import Field
+from fmu_src.variables import Field
 from rbd_model.track.adhesion_laws import at_speed
 
 #: Laws by their names in consists: the input at any speed, or its fall by Curtius and Kniffler.

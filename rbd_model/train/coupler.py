@@ -16,7 +16,7 @@ from itertools import pairwise
 import casadi as ca
 
 from fmu_src.chain import function_of
-from fmu_src.system import Field
+from fmu_src.variables import Field
 
 #: Largest number of points of a curve, including the one that a preload adds, and that of curves with few points. A
 #: train whose curves all have few points computes these alone.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import casadi as ca
 
 from fmu_src.chain import function_of
-from fmu_src.system import Field
+from fmu_src.variables import Field
 
 #: Standard gravity [m/s2] (ISO 80000-3).
 GRAVITY = 9.80665

@@ -15,7 +15,7 @@ from bogie_braking.reporting.progress import ticking
 from bogie_braking.reporting.report import Report, save, short_table, stopwatch, table
 from bogie_braking.reporting.saved import wall_seconds
 from bogie_braking.reporting.scenario import Options, Scenario
-from fmu_src.system import LARGEST_TOLERANCE
+from fmu_src.variables import LARGEST_TOLERANCE
 from readers.command_line import check_folder, quantity
 from readers.text import BadInputError
 from scenarios.catalogue import SCENARIOS, find

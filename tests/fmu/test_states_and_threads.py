@@ -18,7 +18,7 @@ import pytest
 from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.kernel import Kernel, Library, SimulationError
-from fmu_src.system import state_variable
+from fmu_src.variables import state_variable
 from products.building import variables_of
 from products.sources import ROOMS
 from rbd_model.levels.models import levels

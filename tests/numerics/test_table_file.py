@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from fmu_src.kernel import Kernel, Library, SimulationError
-from fmu_src.system import Piece, System, TableFile, Variable, model_of
+from fmu_src.system import System, Variable, model_of
+from fmu_src.user_files import Piece, TableFile
 from readers.columns import Column
 from tests.quick_library import quick_library
 

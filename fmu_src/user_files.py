@@ -1,0 +1,176 @@
+"""Files of a user that an instance reads before the start, and their values in equations: tables and records."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from fmu_src.records import OwnRecord, RecordKind
+from fmu_src.variables import Variable
+from readers.columns import Column
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Polynomials between two rows of a table file.
+
+    Beyond the ends of the table it keeps its last value or, if `goes_on`, its last slope.
+
+    Parameters
+    ----------
+    name, unit : str
+        Name and unit.
+    degree : int
+        Degree, at most 5.
+    goes_on : bool
+        True: the last slope continues.
+    """
+
+    name: str
+    unit: str
+    degree: int
+    goes_on: bool = False
+
+
+#: Columns of a table file, those that the model adds included, and degree of its pieces, as table_file.h has room for.
+MOST_COLUMNS, HIGHEST_DEGREE = 32, 5
+
+
+@dataclass(frozen=True)
+class TableFile:
+    """A table that an instance reads before the start, from the CSV file that `variable`, a string, names.
+
+    Attributes
+    ----------
+    variable : Variable
+        The string variable with the path of the file.
+    noun, preposition : str
+        Its name in messages, "line", and the word before it: a vehicle runs "on" a line.
+    resource : str
+        File in an FMU's resources that is read if the variable is not set.
+    columns : tuple of Column
+        Columns of the file, which contains only numbers.
+    least_growth : float
+        Smallest growth of the first column from row to row.
+    rounding : float
+        Length on either side of a row over which a corner between straight lines is rounded; 0: none is.
+    known : str
+        The columns in words, for a message about an unknown one.
+    added : tuple of str
+        Columns that the model computes.
+    pieces : tuple of Piece
+        Polynomials that equations can look up.
+    source : str
+        C with the functions `parts_before`, `complete` and `piece_between` of `table_file_description` (model.h). It
+        may call the functions of table_file.h; COLUMN_NAME and PIECE_NAME are the places of columns and pieces.
+    """
+
+    variable: Variable
+    noun: str
+    preposition: str
+    resource: str
+    columns: tuple[Column, ...]
+    least_growth: float
+    rounding: float
+    known: str
+    added: tuple[str, ...]
+    pieces: tuple[Piece, ...]
+    source: str
+
+    def __post_init__(self) -> None:
+        columns, degree = len(self.columns) + len(self.added), max(piece.degree for piece in self.pieces)
+        if columns > MOST_COLUMNS or degree > HIGHEST_DEGREE:
+            raise ValueError(
+                f"Table file {self.noun}: it has {columns} columns and pieces of degree {degree}; give at most "
+                f"{MOST_COLUMNS} columns, those added included, and degrees up to {HIGHEST_DEGREE}."
+            )
+
+        odd = [column.name for column in self.columns if column.words or column.whole or not column.filled]
+        if odd:
+            raise ValueError(f"Table file {self.noun}: columns must be numbers, one in each row; got {', '.join(odd)}.")
+
+    def piece(self, name: str) -> Piece:
+        """Return one of the pieces by its name."""
+        return next(piece for piece in self.pieces if piece.name == name)
+
+    def column(self, name: str) -> Column:
+        """Return one of the columns by its name."""
+        return next(column for column in self.columns if column.name == name)
+
+
+@dataclass(frozen=True)
+class RecordFile:
+    """Records that an instance reads before the start, from the file that `variable`, a string, names.
+
+    Attributes
+    ----------
+    variable : Variable
+        The string variable with the path of the file.
+    noun : str
+        Its name in messages, "contact table".
+    resource : str
+        File in an FMU's resources that is read if the variable is not set.
+    remedy : str
+        The end of a message about a damaged file.
+    version : int
+        Format, in the first row of a file.
+    kind : RecordKind
+        Kind of the root record.
+    source : str
+        C with the function `check_record` of `record_file_description` (model.h); KIND_NAME and NUMBER_KIND_NAME are
+        the places of kinds and numbers.
+    owner : str
+        What has a root record of its own, "wheelset".
+    """
+
+    variable: Variable
+    noun: str
+    resource: str
+    remedy: str
+    version: int
+    kind: RecordKind
+    source: str
+    owner: str
+
+
+@dataclass(frozen=True)
+class OfRecord:
+    """A number of a record, or the record itself, which is the same during a run; `symbol` has it in equations.
+
+    own: the root record of an instance without a file. root: place of the root record among those of the files; a
+    single one is that of all. path: places of lists and of the records in them, from the root. A single record of a
+    shared list is that of all places. number: its place, -1: the record, which is 0 if a file does not have it.
+    """
+
+    symbol: ca.SX
+    file: RecordFile
+    own: OwnRecord
+    root: int
+    path: tuple[tuple[int, int], ...]
+    number: int
+
+    @property
+    def value(self) -> float:
+        """Return the number without a file; 0 for a record."""
+        found = self.own.record
+        for place, entry in self.path:
+            shared = found.kind.lists[place].shared and len(found.lists[place]) == 1
+            found = found.lists[place][0 if shared else entry]
+        return found.numbers[self.number] if self.number >= 0 else 0.0
+
+
+@dataclass(frozen=True)
+class Table:
+    """The `pieces` of a table file at one place, found by one search.
+
+    `symbols` are one origin and the coefficients of each piece, lowest power first, supplied by the runtime. The
+    argument may contain values of other tables: those of a lower `rank` are looked up first.
+    """
+
+    name: str
+    file: TableFile
+    argument: ca.SX
+    symbols: ca.SX
+    rank: int
+    pieces: tuple[Piece, ...] = ()
