@@ -13,12 +13,11 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fmu_src import __version__
-from fmu_src.archive import write_archive
+from fmu_src.archive import write_archive, xml_file
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.compile import plain_library
 from fmu_src.identity import identifier, with_data
-from fmu_src.model_description import DISPLAY_UNITS, LOG_CATEGORIES, NOMINAL, UNITS
+from fmu_src.model_description import DISPLAY_UNITS, NOMINAL, UNITS, add_experiment, description_root
 from fmu_src.native_fmu import binary_for
 from fmu_src.objects import ARRAYS, FACES, OF_BOTH, OF_SLAVES, RUNTIME, able
 from fmu_src.standard_headers import standard_headers
@@ -165,18 +164,7 @@ def build_description(given: ArraysInC) -> str:
     for name in _listed(given, 3):
         ET.SubElement(files, "SourceFile", name=name)
     ET.SubElement(configuration, "Library", name="m")
-    return _document(root)
-
-
-def _document(root: ET.Element) -> str:
-    ET.indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
-
-
-def _root(given: ArraysInC, version: dict[str, str]) -> ET.Element:
-    common = {"modelName": given.name, "description": given.description, "version": __version__, "license": "MIT"}
-    common |= {"generationTool": "bogie-braking", "variableNamingConvention": "structured"}
-    return ET.Element("fmiModelDescription", version | common)
+    return xml_file(root).decode()
 
 
 def _claims(given: ArraysInC, version: int) -> dict[str, str]:
@@ -193,14 +181,6 @@ def _units(root: ET.Element, given: ArraysInC) -> None:
         for shown, (of, factor) in DISPLAY_UNITS.items():
             if of == unit:
                 ET.SubElement(element, "DisplayUnit", name=shown, factor=repr(factor))
-
-
-def _categories(root: ET.Element, fmu: ArraysFmu) -> None:
-    categories = ET.SubElement(root, "LogCategories")
-    for name, description in LOG_CATEGORIES.items():
-        ET.SubElement(categories, "Category", name=name, description=description)
-    times = {"startTime": "0.0", "stopTime": repr(fmu.stop_time), "stepSize": repr(fmu.step_size)}
-    ET.SubElement(root, "DefaultExperiment", times)
 
 
 def _text(one: ArrayVariable, value: float) -> str:
@@ -223,13 +203,14 @@ def _nature(one: ArrayVariable) -> dict[str, str]:
 def description2(fmu: ArraysFmu) -> str:
     """Return modelDescription.xml of FMI 2.0: a variable for each element."""
     given = fmu.given
-    root = _root(given, {"fmiVersion": "2.0", "guid": token_of(given)})
+    attributes = {"fmiVersion": "2.0", "guid": token_of(given), "modelName": given.name}
+    root = description_root(attributes, given.description, "structured")
     slave = ET.SubElement(root, "CoSimulation", _claims(given, 2) | {"canNotUseMemoryManagementFunctions": "true"})
     files = ET.SubElement(slave, "SourceFiles")
     for name in _listed(given, 2):
         ET.SubElement(files, "File", name=name)
     _units(root, given)
-    _categories(root, fmu)
+    add_experiment(root, fmu.stop_time, fmu.step_size)
     variables, outputs = ET.SubElement(root, "ModelVariables"), []
     for number, one in enumerate(given.arrays):
         for element in range(fmu.lengths[number]):
@@ -251,7 +232,7 @@ def description2(fmu: ArraysFmu) -> str:
         element_of = ET.SubElement(structure, place)
         for index in outputs:
             ET.SubElement(element_of, "Unknown", {"index": index} | known)
-    return _document(root)
+    return xml_file(root).decode()
 
 
 def _unit(one: ArrayVariable) -> dict[str, str]:
@@ -273,10 +254,11 @@ def _dependencies(given: ArraysInC, places: tuple[str, str]) -> Iterator[tuple[s
 def description3(fmu: ArraysFmu) -> str:
     """Return modelDescription.xml of FMI 3.0: a variable for each array."""
     given = fmu.given
-    root = _root(given, {"fmiVersion": "3.0", "instantiationToken": token_of(given)})
+    attributes = {"fmiVersion": "3.0", "instantiationToken": token_of(given), "modelName": given.name}
+    root = description_root(attributes, given.description, "structured")
     ET.SubElement(root, "CoSimulation", _claims(given, 3))
     _units(root, given)
-    _categories(root, fmu)
+    add_experiment(root, fmu.stop_time, fmu.step_size)
     variables, outputs = ET.SubElement(root, "ModelVariables"), []
     for number, one in enumerate(given.arrays):
         length = fmu.lengths[number]
@@ -298,4 +280,4 @@ def description3(fmu: ArraysFmu) -> str:
     for place, known in _dependencies(given, ("Output", "InitialUnknown")):
         for reference in outputs:
             ET.SubElement(structure, place, {"valueReference": reference} | known)
-    return _document(root)
+    return xml_file(root).decode()

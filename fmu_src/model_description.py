@@ -1,12 +1,13 @@
-"""Model -> modelDescription.xml of FMI 2.0: interfaces, variables, units, dependencies, initial unknowns."""
+"""Model -> modelDescription.xml of FMI 2.0 and 3.0: interfaces, variables, units, dependencies, initial unknowns."""
 
 from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from fmu_src import __version__
+from fmu_src.archive import xml_file
 from fmu_src.dependencies import input_dependencies, start_dependencies, step_dependencies
 from fmu_src.exchange import derivatives, exchanged_states, first_reference, indicators, rate_unit, reset_at_events
 from fmu_src.objects import KERNEL, OF_BOTH, OF_SLAVES, PYTHON, able, members, order_of_rates
@@ -72,6 +73,9 @@ NOMINAL: dict[str, float] = {
     "kg.m2": 1e3,
 }
 TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "string": "String"}
+TYPES3 = {"real": "Float64", "integer": "Int32", "boolean": "Boolean", "string": "String"}
+#: The independent variable of FMI 3.0.
+TIME = Variable("time", "output", "s", "Simulation time")
 LOG_CATEGORIES = {
     "events": "What happened inside, as sentences with the time",
     "logStatusWarning": "Values that were replaced or have no effect",
@@ -81,21 +85,11 @@ LOG_CATEGORIES = {
 
 
 def model_description(model: Model, guid: str, binary: str = KERNEL, source_files: Iterable[str] = ()) -> str:
-    """Return the XML text. binary: the C file of the object, one of those in objects.py.
+    """Return the XML text of FMI 2.0. binary: the C file of the object, one of those in objects.py.
 
     source_files: C files in sources/ that a host may compile.
     """
-    root = ET.Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=model.name,
-        guid=guid,
-        description=model.description,
-        version=__version__,
-        license="MIT",
-        generationTool="bogie-braking",
-        variableNamingConvention="flat",
-    )
+    root = description_root({"fmiVersion": "2.0", "modelName": model.name, "guid": guid}, model.description, "flat")
     both = {
         "modelIdentifier": model.name,
         "needsExecutionTool": str(binary == PYTHON).lower(),
@@ -112,34 +106,98 @@ def model_description(model: Model, guid: str, binary: str = KERNEL, source_file
         files = ET.SubElement(interface, "SourceFiles")
         for name in source_files:
             ET.SubElement(files, "File", name=name)
-    add_units(root, (*model.variables, *exchange))
-    add_categories_and_experiment(root, model)
+    _add_units(root, (*model.variables, *exchange))
+    _add_experiment_of(root, model)
     variables = ET.SubElement(root, "ModelVariables")
-    for reference, variable in enumerate(model.variables):
-        _variable(variables, reference, variable)
-    for reference, variable in enumerate(exchange, first_reference(model)):
-        _variable(variables, reference, variable)
+    for reference, variable in _numbered(model, exchange):
+        initial = {"initial": "exact"} if variable.causality == "parameter" else {}
+        element = ET.SubElement(variables, "ScalarVariable", _nature(reference, variable) | initial)
+        ET.SubElement(element, TYPES[variable.kind], _of_type(variable))
     if exchange:
-        _mark_states(variables, model)
-    _structure(root, model, exchange)
-    ET.indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+        _mark_states(model, [element[0] for element in variables], len(model.variables), first_place=1)
+    structure = ET.SubElement(root, "ModelStructure")
+    place = {variable.name: number for number, variable in enumerate((*model.variables, *exchange), start=1)}
+    names = ("Outputs", "Derivatives", "InitialUnknowns")
+    for name, (unknowns, known) in zip(names, _unknowns(model, exchange), strict=True):
+        parent = ET.SubElement(structure, name) if unknowns or name != "Derivatives" else structure
+        for unknown in sorted(unknowns, key=place.__getitem__):
+            dependencies = _numbers(place[one] for one in known[unknown])
+            ET.SubElement(parent, "Unknown", index=str(place[unknown]), dependencies=dependencies)
+    return xml_file(root).decode()
 
 
-def add_categories_and_experiment(root: ET.Element, model: Model) -> None:
-    """Add log categories and default experiment; those of FMI 2.0 and 3.0 are the same."""
+def model_description3(model: Model, token: str) -> str:
+    """Return the XML text of FMI 3.0.
+
+    Value references are those of FMI 2.0, and the time has the one after the table's last.
+    """
+    attributes = {"fmiVersion": "3.0", "modelName": model.name, "instantiationToken": token}
+    root = description_root(attributes, model.description, "flat")
+    both = {"modelIdentifier": model.name} | able(KERNEL, OF_BOTH[3])
+    exchange = [*derivatives(model), *indicators(model)]
+    if exchange:
+        ET.SubElement(root, "ModelExchange", both | {"needsCompletedIntegratorStep": "true"})
+    slave = {"canHandleVariableCommunicationStepSize": "true"} | able(KERNEL, OF_SLAVES[3])
+    ET.SubElement(root, "CoSimulation", both | slave | {"maxOutputDerivativeOrder": order_of_rates(KERNEL)})
+    _add_units(root, (*model.variables, TIME, *exchange))
+    _add_experiment_of(root, model)
+    variables = ET.SubElement(root, "ModelVariables")
+    for reference, variable in _numbered(model, exchange):
+        attributes = _nature(reference, variable) | _of_type(variable)
+        start = attributes.pop("start") if variable.kind == "string" else None
+        element = ET.SubElement(variables, TYPES3[variable.kind], attributes)
+        if start is not None:
+            ET.SubElement(element, "Start", value=start)
+    count = len(model.variables)
+    time = {"name": TIME.name, "valueReference": str(count), "description": TIME.description}
+    kind = {"causality": "independent", "variability": "continuous", "unit": TIME.unit}
+    variables.insert(count, ET.Element("Float64", time | kind))
+    _mark_states(model, list(variables), count + 1, first_place=0)
+    structure = ET.SubElement(root, "ModelStructure")
+    reference_of = {variable.name: reference for reference, variable in _numbered(model, exchange)}
+    names = ("Output", "ContinuousStateDerivative", "InitialUnknown")
+    for name, (unknowns, known) in zip(names, _unknowns(model, exchange), strict=True):
+        for unknown in unknowns:
+            dependencies = _numbers(reference_of[one] for one in known[unknown])
+            ET.SubElement(structure, name, valueReference=str(reference_of[unknown]), dependencies=dependencies)
+    for indicator in indicators(model):
+        ET.SubElement(structure, "EventIndicator", valueReference=str(reference_of[indicator.name]))
+    return xml_file(root).decode()
+
+
+def description_root(attributes: dict[str, str], description: str, naming: str) -> ET.Element:
+    """Return the root of a description; naming: convention of the names of variables."""
+    common = {"description": description, "version": __version__, "license": "MIT", "generationTool": "bogie-braking"}
+    return ET.Element("fmiModelDescription", attributes | common | {"variableNamingConvention": naming})
+
+
+def _numbered(model: Model, exchange: Sequence[Variable]) -> Iterator[tuple[int, Variable]]:
+    """Yield the variables with their value references, those of model exchange last."""
+    yield from enumerate(model.variables)
+    yield from enumerate(exchange, first_reference(model))
+
+
+def _numbers(numbers: Iterable[int]) -> str:
+    return " ".join(map(str, sorted(numbers)))
+
+
+def _add_experiment_of(root: ET.Element, model: Model) -> None:
+    """Add the default experiment of a model; one around an object with a step has no tolerance."""
+    tolerance = next((variable.start for variable in model.variables if variable.name == "tolerance"), None)
+    add_experiment(root, model.stop_time, model.step_size, tolerance)
+
+
+def add_experiment(root: ET.Element, stop_time: float, step_size: float, tolerance: float | None = None) -> None:
+    """Add log categories and the default experiment."""
     categories = ET.SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", name=name, description=description)
-    experiment = {"startTime": "0.0", "stopTime": repr(model.stop_time), "stepSize": repr(model.step_size)}
-    for variable in model.variables:
-        if variable.name == "tolerance":  # a model around an object with a step has none
-            experiment["tolerance"] = repr(variable.start)
-    ET.SubElement(root, "DefaultExperiment", experiment)
+    experiment = {"startTime": "0.0", "stopTime": repr(stop_time), "stepSize": repr(step_size)}
+    ET.SubElement(root, "DefaultExperiment", experiment | ({} if tolerance is None else {"tolerance": repr(tolerance)}))
 
 
-def add_units(root: ET.Element, variables: Iterable[Variable]) -> None:
-    """Add unit definitions with display units; those of FMI 2.0 and 3.0 are the same."""
+def _add_units(root: ET.Element, variables: Iterable[Variable]) -> None:
+    """Add unit definitions with display units."""
     used = {variable.unit for variable in variables if variable.kind == "real"}
     displayed = {variable.display_unit for variable in variables if variable.display_unit}
     definitions = ET.SubElement(root, "UnitDefinitions")
@@ -158,7 +216,7 @@ def add_units(root: ET.Element, variables: Iterable[Variable]) -> None:
         raise ValueError(f"Add the units {', '.join(sorted(unknown))} to UNITS in model_description.py.")
 
 
-def _variable(parent: ET.Element, reference: int, variable: Variable) -> None:
+def _nature(reference: int, variable: Variable) -> dict[str, str]:
     attributes = {
         "name": variable.name,
         "valueReference": str(reference),
@@ -166,22 +224,22 @@ def _variable(parent: ET.Element, reference: int, variable: Variable) -> None:
         "causality": variable.causality,
         "variability": variability(variable),
     }
-    if variable.causality == "parameter":
-        attributes["initial"] = "exact"
-    if variable.causality in ("output", "local"):
-        attributes["initial"] = "calculated"
-    element = ET.SubElement(parent, "ScalarVariable", attributes)
-    of_type: dict[str, str] = {}
+    return attributes | ({"initial": "calculated"} if variable.causality in ("output", "local") else {})
+
+
+def _of_type(variable: Variable) -> dict[str, str]:
+    """Return the attributes of a variable that depend on its type: unit, nominal value, limits, start value."""
+    attributes: dict[str, str] = {}
     if variable.kind == "real":
-        of_type["unit"] = variable.unit
+        attributes["unit"] = variable.unit
         if variable.display_unit:
-            of_type["displayUnit"] = variable.display_unit
+            attributes["displayUnit"] = variable.display_unit
         if variable.unit in NOMINAL:
-            of_type["nominal"] = repr(NOMINAL[variable.unit])
-    of_type |= limits(variable)
+            attributes["nominal"] = repr(NOMINAL[variable.unit])
+    attributes |= limits(variable)
     if variable.causality not in ("output", "local"):
-        of_type["start"] = number_text(variable, variable.start)
-    ET.SubElement(element, TYPES[variable.kind], of_type)
+        attributes["start"] = number_text(variable, variable.start)
+    return attributes
 
 
 def variability(variable: Variable) -> str:
@@ -240,29 +298,22 @@ def _markdown(rows: Sequence[Mapping[str, str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 
 
-def _mark_states(variables: ET.Element, model: Model) -> None:
-    """Mark each derivative with its state, by their places, and each state that an event may set to a new value."""
-    for state, derivative in zip(exchanged_states(model), variables[len(model.variables) :], strict=True):
+def _mark_states(model: Model, typed: Sequence[ET.Element], first: int, first_place: int) -> None:
+    """Mark each derivative with its state, and each state that an event may set to a new value.
+
+    typed: elements of the variables; first: number of the first derivative; first_place: number that names the first.
+    """
+    for number, state in enumerate(exchanged_states(model), first):
         place = model.index(state_variable(state.name))
-        derivative[0].set("derivative", str(place + 1))
+        typed[number].set("derivative", str(place + first_place))
         if state.name in reset_at_events(model):
-            variables[place][0].set("reinit", "true")
+            typed[place].set("reinit", "true")
 
 
-def _structure(root: ET.Element, model: Model, exchange: Sequence[Variable]) -> None:
-    """Write the dependencies; variables are named by their places, counted from 1."""
+def _unknowns(model: Model, exchange: Sequence[Variable]) -> list[tuple[list[str], Mapping[str, set[str]]]]:
+    """Return the outputs, derivatives and initial unknowns, each with the known variables of its members."""
     in_step = step_dependencies(model) if exchange else input_dependencies(model)
-    at_start = start_dependencies(model)
-    place = {variable.name: number for number, variable in enumerate((*model.variables, *exchange), start=1)}
     outputs = [variable.name for variable in model.variables if variable.causality == "output"]
-    slopes = [variable.name for variable in exchange]
+    slopes = [variable.name for variable in derivatives(model)] if exchange else []
     states = [state_variable(state.name) for state in exchanged_states(model)] if exchange else []
-    structure = ET.SubElement(root, "ModelStructure")
-    lists = [("Outputs", outputs, in_step), ("InitialUnknowns", [*outputs, *states, *slopes], at_start)]
-    if exchange:
-        lists.insert(1, ("Derivatives", slopes, in_step))
-    for name, unknowns, dependencies in lists:
-        parent = ET.SubElement(structure, name)
-        for unknown in sorted(unknowns, key=place.__getitem__):
-            known = sorted(place[one] for one in dependencies[unknown])
-            ET.SubElement(parent, "Unknown", index=str(place[unknown]), dependencies=" ".join(map(str, known)))
+    return [(outputs, in_step), (slopes, in_step), ([*outputs, *states, *slopes], start_dependencies(model))]

@@ -16,8 +16,7 @@ from fmu_src.archive import write_archive
 from fmu_src.codegen import FACE_SOURCES, KERNEL_SOURCES, RUNTIME, RUNTIME_HEADERS, generate, guid_of
 from fmu_src.compile import library_of, library_suffix
 from fmu_src.equations_in_c import TABLE_FILE
-from fmu_src.model_description import model_description
-from fmu_src.model_description3 import model_description3
+from fmu_src.model_description import model_description, model_description3
 from fmu_src.pages import pages
 from fmu_src.record_file import OWN
 from fmu_src.standard_headers import standard_headers
@@ -66,38 +65,40 @@ ONE_UNIT = "all.c"
 def build_native_fmu(
     model: Model, path: Path, platforms: Sequence[str] = (), extras: Mapping[str, bytes] | None = None
 ) -> None:
-    """Write the native FMU of a model."""
-    sources = generate(model)
-    about = model_description(model, guid_of(sources), source_files=[ONE_UNIT])
-    binaries = _binaries(model, sources, platforms or [fmpy.platform], PLATFORMS if platforms else {})
-    contents = _contents(model, sources, about, 2) | _documentation(model, sources, "native", extras)
-    write_archive(path, contents | binaries | dict(extras or {}))
+    """Write the native FMU of a model, of FMI 2.0; platforms: of PLATFORMS, by default this machine."""
+    _build(model, path, 2, platforms, extras or {})
 
 
 def build_native_fmu3(
     model: Model, path: Path, platforms: Sequence[str] = (), extras: Mapping[str, bytes] | None = None
 ) -> None:
-    """Write the native FMU of FMI 3.0."""
+    """Write the native FMU of FMI 3.0; platforms: of PLATFORMS3."""
+    _build(model, path, 3, platforms, extras or {})
+
+
+def _build(model: Model, path: Path, version: int, platforms: Sequence[str], extras: Mapping[str, bytes]) -> None:
     sources = generate(model)
-    about = model_description3(model, guid_of(sources))
-    binaries = _binaries(model, sources, platforms or [fmpy.platform_tuple], PLATFORMS3 if platforms else {})
-    build = {"sources/buildDescription.xml": build_description(model).encode()}
-    contents = _contents(model, sources, about, 3) | _documentation(model, sources, "fmi3", extras)
-    write_archive(path, contents | build | binaries | dict(extras or {}))
-
-
-def _contents(model: Model, sources: Mapping[str, str], about: str, version: int) -> dict[str, bytes]:
+    guid = guid_of(sources)
     files = {name: text.encode() for name, text in sources.items()}
     files |= {name: (RUNTIME / name).read_bytes() for name in SOURCES[version]}
     files |= standard_headers(version)
     files[ONE_UNIT] = one_unit(model, [*sources, *SOURCES[version]], version).encode()
-    return {"modelDescription.xml": about.encode()} | {f"sources/{name}": data for name, data in files.items()}
+    if version == 2:
+        about, kind = model_description(model, guid, source_files=[ONE_UNIT]), "native"
+    else:
+        about, kind = model_description3(model, guid), "fmi3"
+        files["buildDescription.xml"] = build_description(model).encode()
+    contents = {"modelDescription.xml": about.encode()} | {f"sources/{name}": data for name, data in files.items()}
+    for name, (targets, suffix) in platforms_of(version, platforms).items():
+        contents[f"binaries/{name}/{model.name}{suffix}"] = binary_of(sources, targets, fmu=True)
+    write_archive(path, contents | pages(model, kind, extras) | hosts(model, guid, version) | dict(extras))
 
 
-def _documentation(
-    model: Model, sources: Mapping[str, str], kind: str, extras: Mapping[str, bytes] | None
-) -> dict[str, bytes]:
-    return pages(model, kind, extras or ()) | hosts(model, guid_of(sources), 3 if kind == "fmi3" else 2)
+def platforms_of(version: int, names: Sequence[str] = ()) -> dict[str, tuple[tuple[str, ...], str]]:
+    """Return platforms as in PLATFORMS; without names this machine, which has no target of zig."""
+    if not names:
+        return {{2: fmpy.platform, 3: fmpy.platform_tuple}[version]: ((), library_suffix())}
+    return {name: {2: PLATFORMS, 3: PLATFORMS3}[version][name] for name in names}
 
 
 def one_unit(model: Model, names: Sequence[str], version: int) -> str:
@@ -114,20 +115,6 @@ def one_unit(model: Model, names: Sequence[str], version: int) -> str:
         '#pragma GCC diagnostic ignored "-Wunused-function" /* each face leaves out what the other one needs */\n'
         + "".join(f'#include "{name}"\n' for name in files)
     )
-
-
-def _binaries(
-    model: Model,
-    sources: Mapping[str, str],
-    platforms: Sequence[str],
-    known: Mapping[str, tuple[tuple[str, ...], str]],
-) -> dict[str, bytes]:
-    """Return libraries by their names in the archive; an unknown platform is this one, with its own compiler."""
-    found = {}
-    for name in platforms:
-        targets, suffix = known.get(name, ((), library_suffix()))
-        found[f"binaries/{name}/{model.name}{suffix}"] = binary_of(sources, targets, fmu=True)
-    return found
 
 
 def binary_of(sources: Mapping[str, str], targets: Sequence[str], fmu: bool) -> bytes:

@@ -1,4 +1,4 @@
-"""The pythonfmu FMU: the same kernel with pythonfmu's slave interface, for hosts with Python.
+"""FMUs of pythonfmu, for hosts with Python: the same kernel with its slave interface, or any object with a `step`.
 
 pythonfmu packs it. Then its modelDescription.xml, which lacks units and initial unknowns, is replaced by ours, and the
 archive is compressed with fixed dates.
@@ -20,9 +20,11 @@ from pythonfmu.builder import FmuBuilder
 from fmu_src.archive import write_archive
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import library_of, library_suffix
+from fmu_src.identity import identifier
 from fmu_src.model_description import model_description
 from fmu_src.objects import PYTHON
 from fmu_src.pages import pages
+from fmu_src.step_model import StepInPython
 from fmu_src.system import Model
 
 FUTURE = "from __future__ import annotations\n"
@@ -33,29 +35,41 @@ def build_python_fmu(model: Model, path: Path) -> None:
     """Write the pythonfmu FMU of a model. The host needs Python, but neither CasADi nor a compiler."""
     sources = generate(model)
     guid = guid_of(sources)
+    contents = _packed(model, guid, slave_module(model, guid), library_of(sources))
+    write_archive(path, contents | pages(model, "python"))
+
+
+def build_step_fmu(step: StepInPython, path: Path) -> None:
+    """Write the FMU around a Python object with `step(time, inputs) -> outputs`, for hosts with Python.
+
+    Raises the errors of the sources when they are loaded.
+    """
+    slave = [(HERE / f"{name}.py").read_text(encoding="utf-8") for name in ("telling_slave", "step_slave")]
+    body = joined([*step.sources, *slave], [*step.own, f"{__package__}.telling_slave"])
+    guid = identifier([body, repr(step)])
+    write_archive(path, _packed(step.model, guid, body + _step_class(step, guid)))
+
+
+def _packed(model: Model, guid: str, text: str, library: Path | None = None) -> dict[str, bytes]:
+    """Return the files of pythonfmu around the module with this text, with our description, by place in the archive.
+
+    This process is unchanged.
+    """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         # The module's name holds the content's GUID: two versions of an FMU may live in one process.
         script = folder / f"{model.name}_{guid[1:9]}.py"
-        script.write_text(slave_module(model, guid))
-        library = folder / f"kernel{library_suffix()}"
-        shutil.copyfile(library_of(sources), library)
-        contents = packed(script, [library])
-    contents["modelDescription.xml"] = model_description(model, guid, PYTHON).encode()
-    write_archive(path, contents | pages(model, "python"))
-
-
-def packed(script: Path, files: Sequence[Path] = ()) -> dict[str, bytes]:
-    """Return the files of pythonfmu around the module `script`, by place in the archive; this process is unchanged."""
-    folder = script.parent
-    try:
-        made = FmuBuilder.build_FMU(script, dest=folder / "out", project_files=list(files))
-    finally:
-        sys.path[:] = [entry for entry in sys.path if entry != str(folder)]
-        sys.modules.pop(script.stem, None)
-        importlib.invalidate_caches()
-    with zipfile.ZipFile(made) as archive:
-        return {entry: archive.read(entry) for entry in archive.namelist()}
+        script.write_text(text, encoding="utf-8")
+        files = [Path(shutil.copyfile(library, folder / f"kernel{library_suffix()}"))] if library else []
+        try:
+            made = FmuBuilder.build_FMU(script, dest=folder / "out", project_files=files)
+        finally:
+            sys.path[:] = [entry for entry in sys.path if entry != str(folder)]
+            sys.modules.pop(script.stem, None)
+            importlib.invalidate_caches()
+        with zipfile.ZipFile(made) as archive:
+            contents = {entry: archive.read(entry) for entry in archive.namelist()}
+    return contents | {"modelDescription.xml": model_description(model, guid, PYTHON).encode()}
 
 
 def joined(sources: Sequence[str], own: Sequence[str]) -> str:
@@ -76,4 +90,16 @@ def slave_module(model: Model, guid: str) -> str:
         f"{body}\n\nclass {model.name}(KernelSlave):\n"
         f'    library_file = "kernel{library_suffix()}"\n    guid_of_content = "{guid}"\n'
         f"    own_files = {own_files!r}\n"
+    )
+
+
+def _step_class(step: StepInPython, guid: str) -> str:
+    """Return the text of the class that pythonfmu instantiates, named after the FMU."""
+    return (
+        f"\n\nclass {step.name}(StepSlave):\n"
+        f'    guid_of_content = "{guid}"\n'
+        f"    input_count = {len(step.inputs)}\n"
+        f"    safe = {list(step.safe)!r}\n"
+        f"    first_period = {step.period!r}\n\n"
+        f"    def make(self):\n        return {step.expression}\n"
     )

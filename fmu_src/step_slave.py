@@ -1,6 +1,6 @@
 """The slave class of an FMU around any Python object with `step(time, inputs) -> outputs`, such as a controller.
 
-`step_fmu.py` joins this file with the object's own into the one module that travels inside the FMU.
+`python_fmu.py` joins this file with the object's own into the one module that travels inside the FMU.
 """
 
 from __future__ import annotations

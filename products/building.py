@@ -12,17 +12,15 @@ from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any
 
-import fmpy
 from fmpy.validation import validate_fmu
 
 from brake_controller.protection_fmu import wheel_slide_in_c, wheel_slide_in_python
 from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, binary_of_arrays, build_arrays_fmu
 from fmu_src.chain import ONE_WRITES
 from fmu_src.compile import CompilerError, build_library, compiler, here, in_cache, library_suffix
-from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
-from fmu_src.python_fmu import build_python_fmu
+from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3, platforms_of
+from fmu_src.python_fmu import build_python_fmu, build_step_fmu
 from fmu_src.references import reference_files
-from fmu_src.step_fmu import build_step_fmu
 from fmu_src.step_fmu_in_c import step_in_c
 from fmu_src.step_model import StepInC, StepInPython
 from fmu_src.system import Model, Variable
@@ -91,12 +89,11 @@ def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> P
     model, path = model_of(name), fmu_path(name, kind, out)
     with writing(path.parent, "choose another folder with --out"):
         path.parent.mkdir(parents=True, exist_ok=True)
-    if kind == "native":
-        build_native_fmu(model, path, list(PLATFORMS) if all_platforms else [], extras(name, kind))
-    elif kind == "fmi3":
-        build_native_fmu3(model, path, list(PLATFORMS3) if all_platforms else [], extras(name, kind))
-    else:
+    if kind == "python":
         build_python_fmu(model, path)
+    else:
+        build, known = {"native": (build_native_fmu, PLATFORMS), "fmi3": (build_native_fmu3, PLATFORMS3)}[kind]
+        build(model, path, list(known) if all_platforms else [], extras(name, kind))
     return path
 
 
@@ -231,12 +228,11 @@ def build_all(
 
 def write_in_c(fmu: ArraysFmu, path: Path, version: int = 2, all_platforms: bool = False) -> None:
     """Write the FMU of an object in C; version: of FMI. Raises CompilerError, OSError."""
-    given, known = fmu.given, {2: PLATFORMS, 3: PLATFORMS3}[version]
-    platform = {2: fmpy.platform, 3: fmpy.platform_tuple}[version]
-    if all_platforms:
-        binaries = {f"{name}/{given.name}{end}": binary_of_arrays(given, zig) for name, (zig, end) in known.items()}
-    else:
-        binaries = {f"{platform}/{given.name}{library_suffix()}": own_binary(given)}
+    given, names = fmu.given, [*{2: PLATFORMS, 3: PLATFORMS3}[version]] if all_platforms else []
+    binaries = {
+        f"{name}/{given.name}{suffix}": binary_of_arrays(given, targets) if targets else own_binary(given)
+        for name, (targets, suffix) in platforms_of(version, names).items()
+    }
     build_arrays_fmu(fmu, path, version, binaries)
 
 

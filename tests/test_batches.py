@@ -14,8 +14,7 @@ import bogie_braking as bb
 from bogie_braking import sweeping
 from bogie_braking.machines import batch_machine_of
 from fmu_src import elimination
-from fmu_src.batch import BatchLibrary, Ends, run_batch
-from fmu_src.batch_in_c import batch_source
+from fmu_src.batch import BatchLibrary, Ends, batch_source, run_batch
 from fmu_src.kernel import Kernel, SimulationError
 
 BRAKED = {"initial_speed": 25.0, "brake_torque_1": 20e3, "brake_torque_2": 20e3}

@@ -13,8 +13,7 @@ import pytest
 from brake_controller.cylinder import brake_model, timed_brake
 from brake_controller.parameters import qr30
 from brake_controller.protection_fmu import wheel_slide_protection
-from fmu_src.model_description import model_description, variable_table
-from fmu_src.model_description3 import TYPES, model_description3
+from fmu_src.model_description import TYPES3, model_description, model_description3, variable_table
 from fmu_src.pages import documentation
 from fmu_src.system import Model, Variable, choosing
 from products.registry import FMUS, model_of
@@ -66,7 +65,7 @@ def test_fmi_3_has_the_same_limits_and_variability() -> None:
     elements = {one.get("name"): one for one in ET.fromstring(model_description3(model("brake"), "token")).iter()}
     for variable in model("brake").variables:
         element = elements[variable.name]
-        assert element.tag == TYPES[variable.kind]
+        assert element.tag == TYPES3[variable.kind]
         if variable.causality != "local":
             row = shown[variable.name]
             assert [row[head] for head in TEXTS] == [element.get(head) for head in TEXTS]

@@ -16,7 +16,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 from fmu_src.exchange import derivatives, indicators
-from fmu_src.model_description3 import TIME
+from fmu_src.model_description import TIME
 from fmu_src.native_fmu import PLATFORMS3
 from products import building
 from products.building import write_fmu
