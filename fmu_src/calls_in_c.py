@@ -9,7 +9,7 @@ import casadi as ca
 
 from fmu_src.chain import NOTHING, Call, Each, Part
 from fmu_src.equations import Generated, Slopes, part_name
-from fmu_src.own_names import PREFIX
+from fmu_src.unique_names_in_c import PREFIX
 
 
 @dataclass

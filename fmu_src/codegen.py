@@ -9,13 +9,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 
 from fmu_src.c_literals import c_array, c_number, c_text
-from fmu_src.effects import without_effect
 from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.equations import Generated, functions, table_ranks
 from fmu_src.equations_in_c import TABLE_FILE, equations_in_c
-from fmu_src.exchange import exchanged, serves_exchange
 from fmu_src.identity import identifier
+from fmu_src.idle_parameters import without_effect
 from fmu_src.model_description import model_description
+from fmu_src.model_exchange import exchanged, serves_exchange
 from fmu_src.objects import FACES, KERNEL, RUNTIME
 from fmu_src.progress import counting
 from fmu_src.record_file import own_name, own_records, record_file_source, record_in_c

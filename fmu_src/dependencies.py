@@ -8,7 +8,7 @@ from functools import lru_cache
 import casadi as ca
 
 from fmu_src.chain import symbols_in
-from fmu_src.exchange import derivative_name, exchanged_states, serves_exchange
+from fmu_src.model_exchange import derivative_name, exchanged_states, serves_exchange
 from fmu_src.system import Model, System
 from fmu_src.variables import state_variable
 

@@ -26,9 +26,9 @@ from fmu_src.calls_in_c import (
 )
 from fmu_src.chain import Part
 from fmu_src.equations import Generated, Slopes, is_shared, part_function, part_name
-from fmu_src.own_names import with_own_names
-from fmu_src.pairs import paired
+from fmu_src.paired_functions import paired
 from fmu_src.statements import Memory, Statement, statements_of
+from fmu_src.unique_names_in_c import with_own_names
 
 #: A function with more statements than WHOLE is cut into pieces of LONGEST: the coach's FMU takes 25 s to compile, with
 #: pieces of 3000 statements 31 s. With pieces of 700 it takes 24 s, and steps of 1 ms are 6 % slower.

@@ -9,7 +9,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fmu_src import __version__
 from fmu_src.archive import xml_file
 from fmu_src.dependencies import input_dependencies, start_dependencies, step_dependencies
-from fmu_src.exchange import derivatives, exchanged_states, first_reference, indicators, rate_unit, reset_at_events
+from fmu_src.model_exchange import (
+    derivatives,
+    exchanged_states,
+    first_reference,
+    indicators,
+    rate_unit,
+    reset_at_events,
+)
 from fmu_src.objects import KERNEL, OF_BOTH, OF_SLAVES, PYTHON, able, members, order_of_rates
 from fmu_src.system import Model, Variable
 from fmu_src.variables import state_variable

@@ -6,8 +6,8 @@ import html
 from collections.abc import Collection, Sequence
 
 from fmu_src.compliance import CHECKS
-from fmu_src.exchange import exchanged_states
 from fmu_src.model_description import cells
+from fmu_src.model_exchange import exchanged_states
 from fmu_src.references import PAGE
 from fmu_src.system import Model
 

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from functools import lru_cache, partial
 
 from fmu_src.c_literals import c_array, c_number, c_text
-from fmu_src.own_names import with_own_names
 from fmu_src.piecewise import piecewise_in_c
 from fmu_src.records import OwnRecord, Record, RecordKind
+from fmu_src.unique_names_in_c import with_own_names
 from fmu_src.user_files import OfRecord, RecordFile
 
 #: In front of the names that the model's C has at the scope of its file.

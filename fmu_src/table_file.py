@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fmu_src.c_literals import c_array, c_number, c_text
-from fmu_src.own_names import with_own_names
+from fmu_src.unique_names_in_c import with_own_names
 from fmu_src.user_files import TableFile
 from readers.columns import Column
 from readers.units import spellings_for, twins_of

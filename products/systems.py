@@ -5,7 +5,7 @@ from pathlib import Path
 
 from brake_controller.parameters import qr30
 from brake_controller.protection_fmu import wheel_slide_protection
-from fmu_src.effects import without_effect
+from fmu_src.idle_parameters import without_effect
 from fmu_src.ssp import Component, Wire, write_ssp
 from products.building import build_protection, fmu_path
 from products.coach import NUMBERS

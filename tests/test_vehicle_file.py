@@ -17,7 +17,7 @@ from bogie_braking.machines import unfolded
 from bogie_braking.vehicle_files.check import RAILS, SPEEDS, Check, axle_loads
 from bogie_braking.vehicle_files.page import write_page
 from fmu_src.archive import contents_of
-from fmu_src.effects import without_effect
+from fmu_src.idle_parameters import without_effect
 from products.registry import FMUS
 from products.vehicle_entries import LIKE
 from products.vehicle_file import WITH_EFFECT, sheet_of

@@ -15,8 +15,8 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
-from fmu_src.exchange import derivatives, indicators
 from fmu_src.model_description import TIME
+from fmu_src.model_exchange import derivatives, indicators
 from fmu_src.native_fmu import PLATFORMS3
 from products import building
 from products.building import write_fmu

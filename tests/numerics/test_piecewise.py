@@ -14,8 +14,8 @@ from numpy.polynomial.polynomial import polyval
 from fmu_src import compile as compiling
 from fmu_src.chain import Chain
 from fmu_src.codegen import RUNTIME
-from fmu_src.own_names import PREFIX, with_own_names
 from fmu_src.piecewise import interpolation, look_up, polynomials, rows_of
+from fmu_src.unique_names_in_c import PREFIX, with_own_names
 
 WIDTHS = (1, 2, 4, 8)
 ROUND_OFF = 1e-14

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from fmu_src.codegen import RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES
-from fmu_src.own_names import PREFIX, names_at_file_scope, with_own_names
+from fmu_src.unique_names_in_c import PREFIX, names_at_file_scope, with_own_names
 from rbd_model.contact import strips_in_c
 from rbd_model.contact.creep import tabulated
 

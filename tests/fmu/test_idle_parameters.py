@@ -9,7 +9,7 @@ import casadi as ca
 import pytest
 
 from fmu_src.chain import Part
-from fmu_src.effects import without_effect
+from fmu_src.idle_parameters import without_effect
 from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.system import Model, System, Variable, model_of, model_of_choices
