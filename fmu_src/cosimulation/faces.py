@@ -30,34 +30,36 @@ class Face2:
 
     #: Types of variables by those of their functions.
     types = {"Real": "Real", "Integer": "Integer", "Boolean": "Boolean", "Enumeration": "Integer", "String": "String"}
-    reals = ("Real",)
+    reals: tuple[str, ...] = ("Real",)
+    #: Class of fmpy, the name of a state in its functions, and whether inputs can change within a step.
+    slave, state, ramps = FMU2Slave, "FMUstate", True
 
     def __init__(self, about: ModelDescription, folder: str, name: str, listen: Listener) -> None:
         able = about.coSimulation
-        self.saves, self.takes_rates = able.canGetAndSetFMUstate, able.canInterpolateInputs
+        self.saves, self.takes_rates = able.canGetAndSetFMUstate, self.ramps and able.canInterpolateInputs
         self.provides_rates = able.maxOutputDerivativeOrder > 0
-        self.fmu = FMU2Slave(
+        self.fmu = self.slave(
             guid=about.guid, unzipDirectory=folder, modelIdentifier=able.modelIdentifier, instanceName=name
         )
-        self._resources = undecoded(folder)
-        self._callbacks = fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2CallbackLoggerTYPE(
-            lambda environment, instance, status, category, text: listen(
-                text.decode(errors="replace").replace("%%", "%")
-            )
-        )
-        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        self._folder, self._listen = folder, listen
 
     def instantiate(self) -> None:
         """Instantiate the FMU. Methods are named after the functions of the standard."""
-        if self._resources is None:
-            self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        fmu, callbacks = self.fmu, fmi2CallbackFunctions()
+        callbacks.logger = fmi2CallbackLoggerTYPE(
+            lambda environment, instance, status, category, text: self._listen(
+                text.decode(errors="replace").replace("%%", "%")
+            )
+        )
+        callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        resources = undecoded(self._folder)
+        if resources is None:
+            fmu.instantiate(callbacks=callbacks, loggingOn=True)
             return
-        fmu = self.fmu
-        name, guid, resources = (one.encode() for one in (fmu.instanceName, fmu.guid, self._resources))
-        fmu.callbacks = self._callbacks
-        fmu.component = fmu.fmi2Instantiate(name, fmi2CoSimulation, guid, resources, byref(fmu.callbacks), 0, 1)
+        name, guid, place = (one.encode() for one in (fmu.instanceName, fmu.guid, resources))
+        fmu.callbacks = callbacks
+        fmu.component = fmu.fmi2Instantiate(name, fmi2CoSimulation, guid, place, byref(fmu.callbacks), 0, 1)
         if not fmu.component:
             raise FMICallException("fmi2Instantiate", fmi2Error)
 
@@ -70,7 +72,7 @@ class Face2:
         self.fmu.exitInitializationMode()
 
     def set(self, kind: str, reference: int, values: Sequence[Any]) -> None:
-        """Set all values of one variable."""
+        """Set all values of one variable, those of an array row by row."""
         getattr(self.fmu, f"set{kind}")([reference], list(values))
 
     def get(self, kind: str, references: Sequence[int], count: int) -> list[Any]:
@@ -78,7 +80,7 @@ class Face2:
         return list(getattr(self.fmu, f"get{kind}")(list(references)))
 
     def step(self, time: float, size: float) -> None:
-        """Advance from `time` by `size` [s]."""
+        """Advance from `time` by `size` [s]. Raises EndedError if an FMU of FMI 3.0 requests the end of the run."""
         self.fmu.doStep(time, size)
 
     def rate(self, reference: int) -> float:
@@ -86,20 +88,20 @@ class Face2:
         return float(self.fmu.getRealOutputDerivatives([reference], [1])[0])
 
     def set_rate(self, reference: int, rate: float) -> None:
-        """Set the rate of an input within the next step."""
+        """Set the rate of an input within the next step; only called if `takes_rates`."""
         self.fmu.setRealInputDerivatives([reference], [1], [rate])
 
     def save(self) -> Any:
         """Return the state."""
-        return self.fmu.getFMUstate()
+        return getattr(self.fmu, f"get{self.state}")()
 
     def restore(self, state: Any) -> None:
         """Restore a state."""
-        self.fmu.setFMUstate(state)
+        getattr(self.fmu, f"set{self.state}")(state)
 
     def forget(self, state: Any) -> None:
         """Free a state."""
-        self.fmu.freeFMUstate(state)
+        getattr(self.fmu, f"free{self.state}")(state)
 
 
 def undecoded(folder: str) -> str | None:
@@ -113,21 +115,13 @@ def undecoded(folder: str) -> str | None:
     return f"file:///{resources.absolute().as_posix().lstrip('/')}"
 
 
-class Face3:
+class Face3(Face2):
     """FMI 3.0, likewise. Inputs stay constant within a step: rates would need intermediate updates."""
 
     _numbers = ("Float64", "Float32", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)))
     types = {name: name for name in (*_numbers, "Boolean", "String")} | {"Enumeration": "Int64"}
     reals = ("Float64", "Float32")
-
-    def __init__(self, about: ModelDescription, folder: str, name: str, listen: Listener) -> None:
-        able = about.coSimulation
-        self.saves, self.takes_rates = able.canGetAndSetFMUstate, False
-        self.provides_rates = able.maxOutputDerivativeOrder > 0
-        self.fmu = FMU3Slave(
-            guid=about.guid, unzipDirectory=folder, modelIdentifier=able.modelIdentifier, instanceName=name
-        )
-        self._listen = listen
+    slave, state, ramps = FMU3Slave, "FMUState", False
 
     def instantiate(self) -> None:
         """Instantiate the FMU. Methods are named after the functions of the standard."""
@@ -143,10 +137,6 @@ class Face3:
         set_inputs()
         self.fmu.exitInitializationMode()
 
-    def set(self, kind: str, reference: int, values: Sequence[Any]) -> None:
-        """Set all values of one variable, those of an array row by row."""
-        getattr(self.fmu, f"set{kind}")([reference], list(values))
-
     def get(self, kind: str, references: Sequence[int], count: int) -> list[Any]:
         """Return the values of variables of one kind; `count` values in all."""
         return list(getattr(self.fmu, f"get{kind}")(list(references), count))
@@ -161,21 +151,6 @@ class Face3:
         """Return the first derivative of an output by time."""
         return float(self.fmu.getOutputDerivatives([reference], [1])[0])
 
-    def set_rate(self, reference: int, rate: float) -> None:
-        """Do nothing, see `takes_rates`."""
-
-    def save(self) -> Any:
-        """Return the state."""
-        return self.fmu.getFMUState()
-
-    def restore(self, state: Any) -> None:
-        """Restore a state."""
-        self.fmu.setFMUState(state)
-
-    def forget(self, state: Any) -> None:
-        """Free a state."""
-        self.fmu.freeFMUState(state)
-
 
 class EndedError(Exception):
     """The FMU asked to end the run, terminateSimulation of FMI 3.0, section 4.2.1.2."""
@@ -185,9 +160,9 @@ class EndedError(Exception):
 
 
 #: Classes by the version of the standard.
-FACES: dict[str, type[Face2] | type[Face3]] = {"2.0": Face2, "3.0": Face3}
+FACES: dict[str, type[Face2]] = {"2.0": Face2, "3.0": Face3}
 
 
-def face_of(about: ModelDescription, folder: str, name: str, listen: Listener) -> Face2 | Face3:
+def face_of(about: ModelDescription, folder: str, name: str, listen: Listener) -> Face2:
     """Return the FMI functions of an instance, by the version of its standard. Raises KeyError for another version."""
     return FACES[about.fmiVersion](about, folder, name, listen)

@@ -17,7 +17,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.model_description import ModelDescription
 
 from fmu_src.archive import ArchiveError
-from fmu_src.cosimulation.faces import EndedError, Face2, Face3, face_of
+from fmu_src.cosimulation.faces import EndedError, Face2, face_of
 from fmu_src.cosimulation.opening import unpacked
 from fmu_src.suggestion import suggestion
 from readers.storage import ANOTHER_TEMPORARY, writing
@@ -95,7 +95,7 @@ class FmuInstance:
             self.fmu.freeLibrary()
             raise CosimulationError(f"{self.name}: {self.messages[-1] if self.messages else error}") from error
 
-    def _loaded(self, path: Path, description: ModelDescription) -> Face2 | Face3:
+    def _loaded(self, path: Path, description: ModelDescription) -> Face2:
         """Return the functions of the FMU's binary. Raises CosimulationError."""
         here = os.getcwd()
         try:
