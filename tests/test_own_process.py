@@ -9,7 +9,7 @@ from zipfile import ZipFile
 import pytest
 
 import build_fmu
-from bogie_braking.controllers.controller_loader import fmu_names, in_c, in_fmu
+from bogie_braking.controllers.controller_loader import fmu_names
 from bogie_braking.reporting.scenario import BadInputError
 from brake_controller.wheel_slide import NOT_JUDGED
 from evidence.measuring.protected_throughput import SHARE, SOURCE, LetGo
@@ -44,7 +44,7 @@ def let_go(folder: Path, name: str = "let_go", step: str = "") -> Path:
 
 
 def made_of(source: Path) -> Apart:
-    return Apart(partial(in_c, compiled(source).path))
+    return Apart(compiled(source).checked)
 
 
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
@@ -54,7 +54,7 @@ def test_a_library_and_an_fmu_make_the_stops_of_the_class(machine, tmp_path: Pat
     given = ["--controller", str(source), "--out", str(tmp_path), "--wheelsets", str(count)]
     assert build_fmu.main(given) == 0
     fmu = tmp_path / "native" / ("let_go.fmu" if count == 2 else "let_go4.fmu")
-    forms = [made_of(source), Apart(partial(in_fmu, fmu, NAMES[count]))]
+    forms = [made_of(source), Apart(partial(InFmu, fmu, NAMES[count]))]
     settings = Settings(period=10e-3)
     whole = Rig(machine, LetGo, settings, by_flow=True).runs(runs)
     assert all(stop.distance for stop in whole)
@@ -69,7 +69,7 @@ def test_an_fmu_that_needs_python_makes_the_stops_of_its_class(tmp_path: Path) -
     )
     (tmp_path / "let_go.py").write_text(text)
     assert build_fmu.main(["--controller", f"{tmp_path / 'let_go.py'}:LetGo", "--out", str(tmp_path)]) == 0
-    form = Apart(partial(in_fmu, tmp_path / "python" / "LetGo.fmu", NAMES[2]))
+    form = Apart(partial(InFmu, tmp_path / "python" / "LetGo.fmu", NAMES[2]))
     runs = [Run(RAILS[number].values(), speed=12.0) for number in (1, 2)]
     assert runs_apart(Order(bogie(), form, Settings()), runs) == Rig(bogie(), LetGo, Settings(), by_flow=True).runs(
         runs
@@ -125,7 +125,7 @@ def test_what_is_no_controller_is_told(tmp_path: Path) -> None:
         InC(tmp_path / "cut.so").functions(2)
     for path in (tmp_path / "libtext.so", compiled(tmp_path / "nothing.c").path):
         with pytest.raises(NoControllerError):
-            runs_apart(Order(bogie(), Apart(partial(in_c, path)), Settings()), [Run(RAILS[0].values())])
+            runs_apart(Order(bogie(), Apart(InC(path).checked), Settings()), [Run(RAILS[0].values())])
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_what_is_no_controller_is_told(tmp_path: Path) -> None:
 def test_an_fmu_without_a_variable_is_refused(names: Names, words: str, tmp_path: Path) -> None:
     assert build_fmu.main(["--controller", str(let_go(tmp_path)), "--out", str(tmp_path)]) == 0
     with pytest.raises(ValueError, match=words):
-        InFmu(tmp_path / "native" / "let_go.fmu", 2, 5e-3, names)
+        InFmu(tmp_path / "native" / "let_go.fmu", names, 2, 5e-3)
 
 
 def test_an_fmu_for_a_coach_is_refused_on_a_bogie_and_a_table_names_other_variables(tmp_path: Path) -> None:
@@ -166,7 +166,7 @@ def test_an_fmu_that_allows_one_instance_never_has_two(tmp_path: Path, monkeypat
 
     monkeypatch.setattr(in_fmu_module, "FmuInstance", Noted)
     assert build_fmu.main(["--controller", str(let_go(tmp_path)), "--out", str(tmp_path)]) == 0
-    form = InFmu(tmp_path / "native" / "let_go.fmu", 2, 5e-3, NAMES[2])
+    form = InFmu(tmp_path / "native" / "let_go.fmu", NAMES[2], 2, 5e-3)
     form.at_once = 1
     runs = [Run(RAILS[number].values(), speed=8.0) for number in (0, 2, 0, 2)]
     assert Rig(bogie(), form, Settings()).runs(runs) == Rig(bogie(), LetGo, Settings()).runs(runs)
@@ -181,7 +181,7 @@ def test_an_fmu_without_a_binary_is_no_controller(tmp_path: Path) -> None:
             if not name.startswith("binaries"):
                 copy.writestr(name, source.read(name))
     with pytest.raises(NoControllerError):
-        Apart(partial(in_fmu, bare, NAMES[2])).made(2, 5e-3)
+        Apart(partial(InFmu, bare, NAMES[2])).made(2, 5e-3)
 
 
 def fails() -> None:

@@ -8,13 +8,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from bogie_braking.controllers.controller_loader import Given
 from bogie_braking.controllers.estimate import LEVEL, Sample
-from bogie_braking.controllers.scoring import Scored, litres
+from bogie_braking.controllers.scoring import Plan, Scored, compare, litres, runs_of, stops_of
+from products.machine import Machine
 from products.protection.criteria import MEANS, Criterion
+from products.protection.own_process import Order
 from products.protection.programme import Case
 from products.protection.runs import Stop
+from products.protection.settings import Settings
+from rbd_model.track.line import FRICTIONS, Line
 
 #: Verdicts on a criterion in a case.
 PASSES, FAILS, UNDECIDED = "passes", "fails", "undecided"
@@ -24,6 +29,9 @@ ACCEPTED, REJECTED, OPEN = "accepted", "rejected", "not decided"
 STOPS = "stops"
 #: Reason of a missing value; the criterion STOPS has the rest.
 NO_STOP = "no stop"
+
+#: Values of a case that lower the friction along the line; its stop on the dry rail is without them.
+OF_THE_RAIL = ("patch_friction", "patch_start", "patch_length", "patch_blend", "cleaned_friction")
 
 
 @dataclass(frozen=True)
@@ -125,3 +133,41 @@ def verdict_of(found: Sequence[Finding]) -> str:
     """Return the verdict on a controller: a failure rejects it, otherwise an open finding keeps it from acceptance."""
     verdicts = {one.verdict for one in found}
     return REJECTED if FAILS in verdicts else OPEN if UNDECIDED in verdicts else ACCEPTED
+
+
+def on_dry_rail(case: Case) -> Case:
+    """Return the case on the dry rail, without faults; the friction of its line is omitted."""
+    values = tuple((name, value) for name, value in case.values if name not in OF_THE_RAIL)
+    line = case.line and Line({name: rows for name, rows in case.line.rows.items() if name not in FRICTIONS})
+    return replace(case, rail="dry", friction=None, values=values, faults=(), line=line)
+
+
+def stops_for_report(
+    machine: Machine,
+    name: str,
+    controller: Given,
+    cases: Sequence[Case],
+    criteria: Sequence[Criterion],
+    settings: Settings,
+    plan: Plan,
+    level: int,
+    recorded: bool,
+) -> list[CaseResult]:
+    """Return the stops of a controller in every case; a case is drawn more often until its criteria are decided."""
+    order = Order(machine, None, replace(settings, jitter=plan.spread.jitter), level=level)
+    dry = stops_of(order, "none", runs_of(machine, [on_dry_rail(case) for case in cases], level))
+
+    def tested(scores: Sequence[Scored]) -> list[CaseResult]:
+        each = zip(cases, scores, dry, strict=True)
+        return [CaseResult(case, replace(score, dry=stop.distance), stop) for case, score, stop in each]
+
+    def unsettled(scores: Sequence[Scored]) -> set[str]:
+        return undecided(tested(scores), criteria, plan)
+
+    return tested(compare(machine, {name: controller}, cases, settings, plan, level, recorded, unsettled, deals=True))
+
+
+def undecided(tested: Sequence[CaseResult], criteria: Sequence[Criterion], plan: Plan) -> set[str]:
+    """Return the cases in which more draws may decide a criterion."""
+    found = findings(tested, criteria, len(plan.looks))
+    return {one.case for one in found if one.verdict == UNDECIDED and one.value is not None and one.half > 0.0}

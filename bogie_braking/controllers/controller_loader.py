@@ -53,10 +53,9 @@ def controllers_of(given: Sequence[str], wheelsets: int, driven: bool = False) -
 def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
     """Return the name of a controller and its form."""
     in_python = IN_PYTHON.fullmatch(text)
-    if in_python and in_python["gains"]:
-        return with_gains(Path(in_python["file"]), in_python["name"], in_python["gains"])
     if in_python:
-        return in_python["name"], form_of(class_in(Path(in_python["file"]), in_python["name"]))
+        name, make = maker_in(Path(in_python["file"]), in_python["name"], in_python["gains"] or "")
+        return name, form_of(make)
     path = PUBLIC.get(text, Path(text))
     if path.suffix not in KINDS:
         kinds = f"FILE.py:CLASS, a shared library, a C file, an FMU or {' or '.join(PUBLIC)}"
@@ -64,24 +63,12 @@ def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
     if not path.is_file():
         raise BadInputError(f"There is no file {path}; give the path of a controller.")
     if path.suffix == ".fmu":
-        return path.stem, Apart(partial(in_fmu, path.resolve(), fmu_names(path, wheelsets)))
+        return path.stem, Apart(partial(InFmu, path.resolve(), fmu_names(path, wheelsets)))
     try:
-        library = compiled(path).path if path.suffix == ".c" else path.resolve()
+        library = compiled(path) if path.suffix == ".c" else InC(path.resolve())
     except CompilerError as error:
         raise BadInputError(f"{path} does not compile. {error}") from None
-    return text if text in PUBLIC else path.stem, Apart(partial(in_c, library))
-
-
-def in_c(path: Path, wheelsets: int, period: float) -> Form:
-    """Return a library as a controller. Raises OSError or ValueError if it is not one."""
-    form = InC(path)
-    form.functions(wheelsets)
-    return form
-
-
-def in_fmu(path: Path, names: Names, wheelsets: int, period: float) -> Form:
-    """Return an FMU as a controller. Raises the errors of InFmu if it is not one."""
-    return InFmu(path, wheelsets, period, names)
+    return text if text in PUBLIC else path.stem, Apart(library.checked)
 
 
 def fmu_names(path: Path, wheelsets: int) -> Names:
@@ -108,10 +95,10 @@ def fmu_names(path: Path, wheelsets: int) -> Names:
         ) from None
 
 
-def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:
-    """Return a class with its arguments, such as (0.3, limit=2); the name is that of the call."""
+def maker_in(file: Path, name: str, gains: str = "") -> tuple[str, Callable[[], Any]]:
+    """Return the name of a class with its gains, such as (0.3, limit=2), and a function that makes a controller."""
     try:
-        call = ast.parse(name + gains, mode="eval").body
+        call = ast.parse(name + (gains or "()"), mode="eval").body
         if not isinstance(call, ast.Call) or any(one.arg is None for one in call.keywords):
             raise ValueError
         values = [ast.literal_eval(one) for one in call.args]
@@ -119,13 +106,16 @@ def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:
     except (SyntaxError, ValueError):
         words = f"Gains must be numbers or texts, as in {file}:{name}(0.3, limit=2)"
         raise BadInputError(f"{words}; got {gains}.") from None
-    form = partial(found_in(file, name), *values, **named)
+    make = partial(class_in(file, name), *values, **named)
     try:
-        form()
+        make()
     except (Exception, SystemExit) as error:
-        words = f"{name} of {file} cannot be made with {gains}"
-        raise BadInputError(f"{words} ({type(error).__name__}: {error}); give it others.") from None
-    return ast.unparse(call), form_of(form)
+        words, why = f"{name} of {file} cannot be made", f"({type(error).__name__}: {error})"
+        usual = f"give its gains default values, or give them here, as in {file}:{name}(0.3, limit=2)."
+        raise BadInputError(
+            f"{words} with {gains} {why}; give it others." if gains else f"{words} without arguments {why}; {usual}"
+        ) from None
+    return ast.unparse(call) if gains else name, make
 
 
 def form_of(make: Callable[[], Any]) -> Form:
@@ -146,19 +136,6 @@ def _begins_many(start: object) -> bool:
 
 
 def class_in(file: Path, name: str) -> type:
-    """Return a class of a Python file that is made without arguments."""
-    found = found_in(file, name)
-    try:
-        found()
-    except (Exception, SystemExit) as error:
-        raise BadInputError(
-            f"{name} of {file} cannot be made without arguments ({type(error).__name__}: {error}); give its gains "
-            f"default values, or give them here, as in {file}:{name}(0.3, limit=2)."
-        ) from None
-    return found
-
-
-def found_in(file: Path, name: str) -> type:
     """Return a class of a Python file."""
     if not file.is_file():
         raise BadInputError(f"There is no file {file}; give FILE.py:CLASS.")

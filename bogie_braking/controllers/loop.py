@@ -22,7 +22,10 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
+from bogie_braking.controllers.options import add_case, rigged
 from bogie_braking.controllers.remote import Counts, Remote
+from bogie_braking.controllers.scoring import Scored, ideal_distance, runs_of
+from bogie_braking.controllers.table import document, lines, write_document
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.scenario import BadInputError
 from brake_controller.rig.udp_client import HOST, PORT
@@ -39,7 +42,7 @@ LONGEST = 0.45 * PATIENCE
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the loop alone."""
+    """Add the options of the command."""
     parser.add_argument("--host", default=HOST, help=f"where the rig listens (default: {HOST}, this machine alone)")
     parser.add_argument(
         "--port",
@@ -49,6 +52,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     text = "seconds of the run in a second on the clock; 0: as fast as answers come (default: 1)"
     parser.add_argument("--pace", type=quantity("--pace", least=0.0), default=1.0, help=text)
+    add_case(parser)
+
+
+def run(chosen: argparse.Namespace) -> bool:
+    """Run one stop of a client in the loop; return whether it stopped without a missed period."""
+    machine, settings, known = rigged(chosen)
+    cases = {case.name: case for case in known}
+    if chosen.rail not in cases:
+        raise BadInputError(f"There is no case {chosen.rail}; give --rail one of {', '.join(cases)}.")
+    [run] = runs_of(machine, [cases[chosen.rail]])
+    with socket_at(chosen.host, chosen.port) as own:
+        found = run_in_loop(machine, run, settings, own, chosen.pace)
+    ideal = ideal_distance(machine, run, settings)
+    score = Scored(chosen.rail, "client", found.stop, machine.parameters.wheel_radius, ideal, None, run.driven)
+    about = document(machine.title, settings, [score]) | {"loop": loop_document(found)}
+    text = write_document(chosen.out / "controllers" / "loop.json", about)
+    if chosen.json:
+        print(text, end="")
+    elif not chosen.quiet:
+        print("\n".join([*lines(machine.title, settings, [score]), "", *messages(found)]))
+    return found.holds
 
 
 @contextmanager
@@ -144,7 +168,7 @@ def times(of: np.ndarray) -> str:
     return f"{middle:.2f} ms in the median, {most:.2f} ms at 99 %, {1e3 * float(of.max()):.2f} ms at most"
 
 
-def document(found: Looped) -> dict[str, object]:
+def loop_document(found: Looped) -> dict[str, object]:
     """Return the results for programs; times in s."""
     shares = {"median": 50, "99 %": 99, "longest": 100}
     series = {"answered": found.answered, "asked_late": found.late}

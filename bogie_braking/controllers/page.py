@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from bogie_braking.controllers import table, verdict
 from bogie_braking.controllers.scoring import Scored
-from bogie_braking.controllers.words import words_of
 from bogie_braking.web.frame import filled, packed
 from products.machine import Machine
 from products.protection.history import History
@@ -43,7 +42,7 @@ def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[Sc
         first=first_case(scores),
         scores=(heads(table.HEADS, table.UNITS), by_case),
         messages=table.messages(scores),
-        effort=words_of(scores[0].driven).effort,
+        effort=scores[0].words.effort,
         data=data(machine, scores),
     )
 
@@ -75,7 +74,7 @@ def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
 
     Their histories are one string: 16-bit differences of integers, deflated, in base64.
     """
-    histories, words = [thinned(one.history) for one in scores if one.history], words_of(scores[0].driven)
+    histories, words = [thinned(one.history) for one in scores if one.history], scores[0].words
     numbers = b"".join(columns_of(one, machine.parameters.wheel_radius) for one in histories)
     return {
         "wheelsets": len(machine.numbers),

@@ -13,7 +13,6 @@ from matplotlib.ticker import NullLocator
 
 from bogie_braking.controllers.scoring import Scored, sliding_cases
 from bogie_braking.controllers.verdict import best_given, verdicts
-from bogie_braking.controllers.words import words_of
 from bogie_braking.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, one_word, plt, titled
 
 #: Distance over the ideal up to which a stop is near it [1]: a choice of this figure.
@@ -95,13 +94,13 @@ def set_axis(axis: Axes, scores: Sequence[Scored], cases: Sequence[str]) -> floa
     axis.set(
         xlim=(low - 0.03, edge),
         ylim=(-0.6, len(cases) - 0.4),
-        xlabel=LABEL.format(distance=words_of(scores[0].driven).distance),
+        xlabel=LABEL.format(distance=scores[0].words.distance),
     )
     axis.axvspan(1.0, NEAR, color=THESIS, alpha=0.13, linewidth=0, zorder=0)
     axis.axvline(1.0, color="0.2", linewidth=1.0)
     if any(one.stop.distance is None and one.stop.judged for one in scores):
         axis.axvline(edge, color="0.4", linewidth=1.0, linestyle=":")
-        axis.text(edge, len(cases) - 0.3, words_of(scores[0].driven).none, ha="center", va="bottom", fontsize=9)
+        axis.text(edge, len(cases) - 0.3, scores[0].words.none, ha="center", va="bottom", fontsize=9)
     shown = [name if len(name) <= LETTERS else f"{name[: LETTERS - 1]}…" for name in cases]
     axis.set_yticks(range(len(cases)), [plain(name) for name in reversed(shown)])
     axis.tick_params(axis="y", length=0)

@@ -25,10 +25,11 @@ from pathlib import Path
 import numpy as np
 
 from bogie_braking.controllers.controller_loader import Given, controller_of
-from bogie_braking.controllers.replay import commands_of, one_of
+from bogie_braking.controllers.replay import commands_of
 from bogie_braking.reporting.scenario import BadInputError
 from brake_controller.slide_protection import OWN_HEADER, one_file, slide_sources
 from brake_controller.wheel_slide import Supervised
+from products.protection.controller_kinds import single
 from products.protection.own_process import Apart, EndedError, NoControllerError, called_apart
 from products.protection.reference_stops import MOST, STOPS, Look, ReferenceStop, looks_of
 from readers.storage import write_whole
@@ -174,7 +175,7 @@ def answered(
     for stop, due in zip(stops, looks, strict=True):
         name, one = named[stop.wheelsets]
         form = one.made(stop.wheelsets, stop.period) if isinstance(one, Apart) else one
-        controller = Supervised(one_of(name, form, stop.wheelsets, stop.period), stop.wheelsets)
+        controller = Supervised(single(name, form, stop.wheelsets, stop.period), stop.wheelsets)
         times, speeds = np.array([look.time for look in due]), np.array([look.speeds for look in due])
         found.append(commands_of(controller, times, speeds))
     return found

@@ -31,14 +31,14 @@ from bogie_braking.controllers.table import write_document
 from bogie_braking.reporting.plots import FOUR, one_word, plt, titled
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.scenario import BadInputError
+from bogie_braking.reporting.text_table import text_table
 from brake_controller.protection_fmu import MOST_WHEELSETS
-from brake_controller.wheel_slide import APPLY, COMMANDS, HOLD, VENT, ControllerError, Supervised, WheelSlideController
+from brake_controller.wheel_slide import APPLY, COMMANDS, HOLD, VENT, ControllerError, Supervised
 from fmu_src.cosimulation.measured import table_from
 from fmu_src.cosimulation.recording import Recording
-from products.protection.controller_kinds import Arrays, Form, InC, Outside
+from products.protection.controller_kinds import Form, single
 from products.protection.own_process import Apart, EndedError, NoControllerError, called_apart
 from products.protection.settings import LONGEST_PERIOD
-from products.protection.single_controller import OneInC, OneOfMany
 from readers.command_line import quantity
 from readers.log_columns import ColumnMap
 from readers.log_rows import after_events, filled
@@ -213,24 +213,13 @@ def replay(log: Recording, name: str, form: Form, period: float | None) -> Repla
     times = rows if period is None else rows[0] + period * np.arange(int((rows[-1] - rows[0]) / period + SAME) + 1)
     last = np.searchsorted(rows, times + SAME * np.min(np.diff(rows)), "right") - 1
     speeds = np.column_stack([log[one][samples] for one in speeds_of(count)])[last]
-    controller = one_of(name, form, count, period or float(np.median(np.diff(rows))))
+    controller = single(name, form, count, period or float(np.median(np.diff(rows))))
     valves, message = commands_of(Supervised(controller, count), times, speeds)
     same: list[float | None] = []
     for place in range(count):
         recorded = log.units.get(f"valve_{place + 1}") and log[f"valve_{place + 1}"][samples][last][: len(valves)]
         same.append(None if recorded is None or not len(valves) else float(np.mean(recorded == valves[:, place])))
     return Replayed(name, log, times, valves, tuple(same), message)
-
-
-def one_of(name: str, form: Form, wheelsets: int, period: float) -> WheelSlideController:
-    """Return a new controller; period of its calls [s]."""
-    assert form is not None
-    assert not isinstance(form, Outside)
-    if not isinstance(form, InC | Arrays):
-        return form()
-    kind = OneInC if isinstance(form, InC) else OneOfMany
-    found: WheelSlideController = type(name, (kind,), {})(form, wheelsets, period)  # messages contain its name
-    return found
 
 
 def commands_of(controller: Supervised, times: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, str]:
@@ -260,9 +249,7 @@ def lines(path: Path, found: Replayed, period: float | None) -> Iterator[str]:
     yield "The wheels do not feel its commands: they turn as they did."
     yield ""
     rows = [HEADS, UNITS, *(cells(number, one) for number, one in enumerate(found.wheelsets, 1))]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
-    for row in rows:
-        yield "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
+    yield from text_table(rows)
     if found.message:
         yield ""
         yield found.message

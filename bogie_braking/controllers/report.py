@@ -28,7 +28,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from bogie_braking.controllers.acceptance import ACCEPTED, findings
+from bogie_braking.controllers.acceptance import ACCEPTED, findings, stops_for_report
 from bogie_braking.controllers.controller_loader import IN_PYTHON, Given, controller_of
 from bogie_braking.controllers.options import add_draws, add_settings, cases_of, plan_of, rigged
 from bogie_braking.controllers.report_document import (
@@ -40,7 +40,6 @@ from bogie_braking.controllers.report_document import (
     report_document,
 )
 from bogie_braking.controllers.report_page import report_page
-from bogie_braking.controllers.report_stops import stops_for_report
 from bogie_braking.controllers.report_text import lines, undecided_note
 from bogie_braking.controllers.scoring import Plan
 from bogie_braking.controllers.table import about, drawn, write_document

@@ -23,7 +23,7 @@ from readers.text import FileError, shown
 #: Number of the layout of a report.
 FORMAT = 1
 #: Modules whose sources affect the numbers of a report.
-MODULES = ("bogie_braking.controllers.report_stops", "bogie_braking.controllers.acceptance")
+MODULES = ("bogie_braking.controllers.acceptance",)
 #: Largest relative difference of two equal values [1]: round-off of another compiler.
 EQUAL = 1e-6
 #: Parts of a report that are compared; files and sources are compared by their digests, versions are not.

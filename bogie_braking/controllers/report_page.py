@@ -6,9 +6,8 @@ import shlex
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from bogie_braking.controllers import report_text, table
+from bogie_braking.controllers import page, report_text, table
 from bogie_braking.controllers.acceptance import FAILS, PASSES, CaseResult, Finding, extreme
-from bogie_braking.controllers.page import data
 from bogie_braking.controllers.report_text import NO_CLAIM
 from bogie_braking.web.frame import filled
 from products.machine import Machine
@@ -49,7 +48,7 @@ def report_page(
         inputs=inputs_table(document),
         arguments=shlex.join(document["arguments"]),
         effort="the pressure of its cylinder",
-        data=data(machine, scores),
+        data=page.data(machine, scores),
     )
 
 
@@ -73,8 +72,7 @@ def criteria_table(found: Sequence[Finding], criteria: Sequence[Criterion]) -> t
 def cases_table(tested: Sequence[CaseResult], found: Sequence[Finding]) -> tuple[Any, Any]:
     """Return heads and rows of all cases."""
     kept = [place for place, head in enumerate(table.HEADS) if head not in WITHOUT]
-    units = [f" [{table.UNITS[place]}]" if table.UNITS[place] not in ("", "1") else "" for place in kept]
-    middle = [f"{table.HEADS[place]}{unit}" for place, unit in zip(kept, units, strict=True)]
+    middle = page.heads([table.HEADS[place] for place in kept], [table.UNITS[place] for place in kept])
     rows = []
     for one in tested:
         cells = table.cells(one.score)
@@ -84,7 +82,7 @@ def cases_table(tested: Sequence[CaseResult], found: Sequence[Finding]) -> tuple
         ]
         first = one.case.name, one.case.group or "-", verdict_on(one.case.name, found)
         rows.append((*first, *(cells[place] for place in kept), *worst, one.case.source))
-    return heads((*BEFORE, *middle, *AFTER), (*middle, *AFTER[:2])), grouped(rows)
+    return [*heads(BEFORE, ()), *middle, *heads(AFTER, AFTER[:2])], grouped(rows)
 
 
 def verdict_on(case: str, found: Sequence[Finding]) -> str:

@@ -17,6 +17,7 @@ from bogie_braking.controllers.acceptance import (
     verdict_of,
 )
 from bogie_braking.controllers.verdict import WIDTH
+from bogie_braking.reporting.text_table import text_table
 from products.protection.criteria import Criterion
 
 #: Sentence of every report.
@@ -98,12 +99,13 @@ def lines(name: str, found: Sequence[Finding], criteria: Sequence[Criterion]) ->
     yield from textwrap.wrap(headline(name, found, criteria), WIDTH)
     yield from textwrap.wrap(NO_CLAIM, WIDTH)
     yield ""
-    yield from table(HEADS, criteria_rows(found, criteria), NUMBERS)
+    rows = [HEADS, *criteria_rows(found, criteria)]
+    yield from text_table(rows, [HEADS.index(head) for head in HEADS if head not in NUMBERS], [1])
     rows = failed_rows(found, criteria)
     if rows:
         firsts = [row for row in rows if row in [one for one in rows if one[1] == row[1]][:MOST_SHOWN]]
         yield ""
-        yield from table(FAILED_HEADS, firsts, ("value", "95 %"))
+        yield from text_table([FAILED_HEADS, *firsts], (0, 1, 4, 5), [1])
         if len(firsts) < len(rows):
             yield f"and {len(rows) - len(firsts)} more, which report.json has"
 
@@ -155,20 +157,6 @@ def excess(one: Finding, limits: Mapping[str, Criterion]) -> float:
     if criterion is None or one.value is None:
         return 0.0
     return (one.value - criterion.limit) * (1.0 if criterion.at_most else -1.0)
-
-
-def table(heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[str]) -> Iterator[str]:
-    """Yield a table as text; numbers: heads of the columns that are aligned to the right."""
-    whole = [heads, *rows]
-    widths = [max(len(row[column]) for row in whole) for column in range(len(heads))]
-    for place, row in enumerate(whole):
-        if place == 1:
-            yield "-" * (sum(widths) + 2 * (len(widths) - 1))
-        texts = (
-            text.rjust(width) if head in numbers else text.ljust(width)
-            for head, text, width in zip(heads, row, widths, strict=True)
-        )
-        yield "  ".join(texts).rstrip()
 
 
 def undecided_note(found: Sequence[Finding], most: int) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -40,6 +41,25 @@ LOOKS = (8, 16, 32, 64)
 FEW = 16
 #: Pressure of the free air in which litres are given [Pa].
 FREE_AIR = 101325.0
+
+
+@dataclass(frozen=True)
+class Words:
+    """Words for the end of a run.
+
+    Verbs for one and for several, the noun without an end, the compared quantity, the effort and its unit.
+    """
+
+    does: str
+    do: str
+    none: str
+    distance: str
+    effort: str
+    unit: str
+
+
+STOPS = Words("stops", "stop", "no stop", "stopping distance", "the pressure of its cylinder", "kPa")
+STARTS = Words("arrives", "arrive", "no arrival", "distance to the speed", "the torque of its motor", "kN.m")
 
 
 @dataclass(frozen=True)
@@ -78,6 +98,11 @@ class Scored:
     driven: bool = False
     stops: tuple[Stop, ...] = ()
     draws: tuple[Draw, ...] = ()
+
+    @property
+    def words(self) -> Words:
+        """Return the words for its end."""
+        return STARTS if self.driven else STOPS
 
     @cached_property
     def distances(self) -> Sample | None:
@@ -199,9 +224,13 @@ def compare(
     plan: Plan,
     level: int = 2,
     recorded: bool = False,
-    enough: Callable[[Sequence[Scored]], bool] = lambda scores: False,
+    unsettled: Callable[[Sequence[Scored]], Collection[str]] | None = None,
+    deals: bool = False,
 ) -> list[Scored]:
-    """Return the scores of every controller in every case, case by case."""
+    """Return the scores of every controller in every case, case by case.
+
+    unsettled: returns the cases to draw more often; by default all. deals: threads get as many long stops as others.
+    """
     runs, settings = runs_of(machine, cases, level, plan.spread.friction), replace(settings, jitter=plan.spread.jitter)
     orders = {name: Order(machine, one, settings, level=level) for name, one in controllers.items()}
     stops: dict[str, list[list[Stop]]] = {name: [[] for _ in cases] for name in controllers}
@@ -211,18 +240,36 @@ def compare(
         for run in runs:
             ideals.append(ideal_distance(machine, run, settings))
             bar.update()
+        durations = [(far or math.inf) / (run.speed or settings.speed) for far, run in zip(ideals, runs, strict=True)]
+        places = dealt(durations) if deals else list(range(len(cases)))
         for before, count in pairwise((0, *plan.looks)):
-            numbers, first = range(before, count), recorded and before == 0
-            drawn = [draws_of(case.name, numbers, len(machine.numbers), plan.spread, plan.seed) for case in cases]
-            draws = [[*old, *new] for old, new in zip(draws, drawn, strict=True)]
+            drawn = [
+                draws_of(cases[place].name, range(before, count), len(machine.numbers), plan.spread, plan.seed)
+                for place in places
+            ]
+            for place, more in zip(places, drawn, strict=True):
+                draws[place] += more
             for name, order in orders.items():
-                for own, more in zip(stops[name], drawn_stops(order, name, runs, drawn, first), strict=True):
-                    own += more
+                found = drawn_stops(order, name, [runs[place] for place in places], drawn, recorded and before == 0)
+                for place, made in zip(places, found, strict=True):
+                    stops[name][place] += made
                 bar.update(int(before == 0))
             scores = scored(machine, cases, runs, ideals, stops, draws)
-            if count == plan.most or enough(scores):
+            remaining = [case.name for case in cases] if unsettled is None else unsettled(scores)
+            places = [place for place in places if cases[place].name in remaining]
+            if not places:
                 break
     return scores
+
+
+def dealt(durations: Sequence[float]) -> list[int]:
+    """Return the places of stops in an order that gives each thread of the rig as many long stops as the others.
+
+    Threads take equal shares of the stops, one after another. durations: estimates [s].
+    """
+    longest_first = sorted(range(len(durations)), key=lambda place: -durations[place])
+    threads = os.cpu_count() or 1
+    return [place for first in range(threads) for place in longest_first[first::threads]]
 
 
 def drawn_stops(

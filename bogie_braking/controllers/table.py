@@ -9,7 +9,7 @@ from pathlib import Path
 
 from bogie_braking.controllers.estimate import LEVEL, Estimate, less
 from bogie_braking.controllers.scoring import LOOKS, Plan, Scored
-from bogie_braking.controllers.words import words_of
+from bogie_braking.reporting.text_table import text_table
 from products.protection.rails import LOCK_ABOVE
 from products.protection.rig import START_SPEED
 from products.protection.settings import Settings
@@ -29,15 +29,7 @@ def lines(vehicle: str, settings: Settings, scores: Sequence[Scored], draws: str
     yield from [draws] if draws else []
     yield ""
     rows = [HEADS, UNITS, *rows_of(scores)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
-    for number, row in enumerate(rows):
-        if number > 1 and row[0] != rows[number - 1][0]:
-            yield "-" * (sum(widths) + 2 * (len(widths) - 1))
-        texts = [
-            text.ljust(width) if column < 2 else text.rjust(width)
-            for column, (text, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        yield "  ".join(texts).rstrip()
+    yield from text_table(rows, range(2), [n for n in range(2, len(rows)) if rows[n][0] != rows[n - 1][0]])
     for text in messages(scores):
         yield ""
         yield text
@@ -124,7 +116,7 @@ def cells(one: Scored, least: Scored | None = None, level: float = LEVEL) -> tup
     if not stop.judged:
         return one.case, one.controller, "not judged", *["-"] * (len(HEADS) - 3)
     known = one.distance
-    distance = words_of(one.driven).none if known is None else f"{known.mean:.1f}"
+    distance = one.words.none if known is None else f"{known.mean:.1f}"
     width = "-" if known is None else half(known, 1.0, ".1f")
     ratios = number(one.over(one.ideal), ".3f"), number(one.over(one.dry), ".3f")
     band = "-" if stop.distance is None else f"{stop.share_in_band:.2f}"

@@ -11,10 +11,9 @@ import numpy as np
 
 from bogie_braking.controllers.controller_loader import ALWAYS
 from bogie_braking.controllers.estimate import LEVEL, Estimate, Sample, across, less
-from bogie_braking.controllers.harm import Harm, harm_of
-from bogie_braking.controllers.scoring import LOOKS, Scored, slid_cases, sliding_cases
+from bogie_braking.controllers.scoring import LOOKS, STOPS, Scored, Words, slid_cases, sliding_cases
 from bogie_braking.controllers.table import half
-from bogie_braking.controllers.words import STOPS, Words, words_of
+from bogie_braking.reporting.text_table import text_table
 from products.protection.rails import LONGEST_LOCK
 
 HEADS = (
@@ -38,6 +37,30 @@ WIDTH = 120
 ALIKE = 0.005
 #: Criteria of distance by which two controllers are compared: the median and the worst case.
 CRITERIA = 2
+#: Largest growth of a distance that is not counted as harm where no wheel slides [1].
+NO_HARM = 0.001
+
+
+@dataclass(frozen=True)
+class Harm:
+    """Harm in the cases in which no wheel slides.
+
+    cases: their number. longer: largest growth of the mean distance by the controller [1]. half: half of its interval.
+    case: the case of this growth. moved: number of cases in which a valve moved.
+    """
+
+    cases: int
+    longer: float
+    half: float
+    case: str
+    moved: int
+
+    @property
+    def words(self) -> str:
+        """Return the harm in a few words."""
+        if self.longer > NO_HARM:
+            return f"{100 * self.longer:+.1f} % ({self.case})"
+        return "valves move" if self.moved else "none"
 
 
 @dataclass(frozen=True)
@@ -129,16 +152,16 @@ def leaders(found: Sequence[Verdict]) -> list[Verdict]:
     return best
 
 
-def decided(scores: Sequence[Scored]) -> bool:
-    """Return whether further draws would not change which controllers are told apart from the best."""
+def unsettled(scores: Sequence[Scored]) -> set[str]:
+    """Return all cases while further draws may change which controllers are told apart from the best."""
     found = verdicts(scores)
     best, level = [one for one in found if one.counts == min(other.counts for other in found)], level_of(len(found))
     for name in ("medians", "largest"):
         samples = [sample for one in best if (sample := getattr(one, name)) is not None]
         least = min(samples, key=lambda sample: float(sample.values.mean()), default=None)
         if least is not None and not all(settled(one, least, level) for one in samples if one is not least):
-            return False
-    return True
+            return {one.case for one in scores}
+    return set()
 
 
 def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
@@ -167,7 +190,7 @@ def verdict(name: str, own: Sequence[Scored], sliding: Sequence[str], without: M
         harm_of(judged, without),
         max((one.stop.longest_lock for one in judged), default=math.nan),
         sum(one.air for one in judged) / len(judged) if judged else math.nan,
-        words_of(own[0].driven),
+        own[0].words,
         len(own) - len(judged),
         len(sliding),
     )
@@ -222,15 +245,7 @@ def lines(found: Sequence[Verdict]) -> Iterator[str]:
     yield from textwrap.wrap(" ".join(messages(found)), WIDTH)
     yield ""
     rows = [heads(found), UNITS, *(cells(one) for one in found)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
-    for number, row in enumerate(rows):
-        if number == 2:
-            yield "-" * (sum(widths) + 2 * (len(widths) - 1))
-        texts = (
-            text.ljust(width) if head in WORDS else text.rjust(width)
-            for head, text, width in zip(rows[0], row, widths, strict=True)
-        )
-        yield "  ".join(texts).rstrip()
+    yield from text_table(rows, [HEADS.index(head) for head in WORDS], [2])
 
 
 def heads(found: Sequence[Verdict]) -> tuple[str, ...]:
@@ -279,3 +294,17 @@ def interval(one: Estimate | None) -> dict[str, object] | None:
 def best_given(found: Sequence[Verdict]) -> Verdict:
     """Return the best of the given controllers, or of all without a given one."""
     return leaders([one for one in found if one.controller not in ALWAYS] or found)[0]
+
+
+def harm_of(own: Sequence[Scored], without: Mapping[str, Scored]) -> Harm | None:
+    """Return the harm of a controller; None if wheels slide in every case, or if it does not stop in another."""
+    found, moved = [], 0
+    for one in own:
+        other = without.get(one.case)
+        if other is None or other.distances is None or one.distances is None:
+            continue
+        distance = float(other.distances.values.mean())
+        longer = less(one.distances, other.distances).over(distance).estimate()
+        found.append((longer.mean, longer.half, one.case))
+        moved += any(stop.commands for stop in one.stops or [one.stop])
+    return Harm(len(found), *max(found), moved) if found else None

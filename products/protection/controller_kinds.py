@@ -1,9 +1,12 @@
-"""The forms in which a wheel-slide controller comes: a class, a function of arrays, a library in C."""
+"""The forms in which a wheel-slide controller comes: a class, a function of arrays, a library in C.
+
+`single` makes of each form an object with `step` for one vehicle without a rig.
+"""
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -19,6 +22,10 @@ from fmu_src.compile import plain_library
 from fmu_src.shared_library import fault_of
 
 Numbers = NDArray[np.float64]
+_START = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_double)
+_STEP = ctypes.CFUNCTYPE(
+    None, ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int)
+)
 #: Runs that go on together.
 AT_ONCE, AT_ONCE_IN_ARRAYS = 256, 1024
 
@@ -64,6 +71,11 @@ class InC:
             raise ValueError(f"wheel_slide_size asks for {bytes_of_one} bytes; ask for at most {LARGEST_MEMORY}")
         return FunctionsInC(*(ctypes.cast(one, ctypes.c_void_p) for one in (start, step)), bytes_of_one)
 
+    def checked(self, wheelsets: int, period: float) -> InC:
+        """Return this controller. Raises the errors of `functions`."""
+        self.functions(wheelsets)
+        return self
+
     def _function(self, name: str) -> Any:
         if not hasattr(self.library, name):
             raise ValueError(f"it has no function {name}")
@@ -98,3 +110,49 @@ def compiled(source: Path) -> InC:
     header = (RIG / HEADER).read_text(encoding="utf-8")
     texts = {source.name: source.read_text(encoding="utf-8"), HEADER: header}
     return InC(plain_library({}, texts))
+
+
+class OneInC:
+    """A controller of this number of wheelsets with its own memory; period: of its steps [s]."""
+
+    def __init__(self, form: InC, wheelsets: int, period: float) -> None:
+        functions = form.functions(wheelsets)
+        self._form = form  # keeps the library
+        self._step = _STEP(functions.step)
+        self.wheelsets, self.memory = wheelsets, ctypes.create_string_buffer(max(functions.size, 1))
+        self._valves = (ctypes.c_int * wheelsets)()
+        _START(functions.start)(self.memory, wheelsets, period)
+
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
+        """Return valve commands of all wheelsets from their speeds [m/s]; a valve that is not set keeps its command.
+
+        Raises ValueError if the number of speeds is wrong.
+        """
+        if len(wheel_speeds) != self.wheelsets:
+            raise ValueError(f"wheel_speeds must be {self.wheelsets} numbers; got {len(wheel_speeds)}.")
+        self._step(self.memory, time, (ctypes.c_double * self.wheelsets)(*wheel_speeds), self._valves)
+        return list(self._valves)
+
+
+class OneOfMany:
+    """A controller on arrays with one vehicle of this number of wheelsets; period: of its steps [s]."""
+
+    def __init__(self, form: Arrays, wheelsets: int, period: float) -> None:
+        self._many = form.controller
+        self._many.start(np.array([0]), 1, wheelsets, period)
+
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
+        """Return valve commands of all wheelsets from their speeds [m/s]."""
+        [valves] = np.asarray(self._many.step(np.array([time]), np.array([wheel_speeds]))).tolist()
+        return list(valves)
+
+
+def single(name: str, form: Form, wheelsets: int, period: float) -> WheelSlideController:
+    """Return a new controller of one vehicle, with this name in messages; period of its calls [s]."""
+    assert form is not None
+    assert not isinstance(form, Outside)
+    if not isinstance(form, InC | Arrays):
+        return form()
+    kind = OneInC if isinstance(form, InC) else OneOfMany
+    controller: WheelSlideController = type(name, (kind,), {})(form, wheelsets, period)
+    return controller

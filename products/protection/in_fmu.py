@@ -35,9 +35,9 @@ class InFmu:
     """
 
     path: Path
+    names: Names
     wheelsets: int
     period: float
-    names: Names
     free: list[FmuInstance] = field(default_factory=list)
 
     def __post_init__(self) -> None:

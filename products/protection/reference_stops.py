@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
+from products.protection.controller_kinds import OneInC
 from products.protection.rig_in_c import slide_protection
-from products.protection.single_controller import OneInC
 
 #: Largest number of wheelsets of a stop, and of columns of the table.
 MOST = 4

@@ -8,7 +8,7 @@ from dataclasses import astuple
 
 from brake_controller.slide_protection import SlideProtectionParameters, common_protection
 from products.protection import rig_in_c
-from products.protection.single_controller import OneInC
+from products.protection.controller_kinds import OneInC
 
 
 class SlideProtection:

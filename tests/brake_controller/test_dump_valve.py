@@ -3,9 +3,8 @@
 import pytest
 
 from bogie_braking.controllers.controller_loader import controller_of
-from products.protection.controller_kinds import compiled
+from products.protection.controller_kinds import OneInC, compiled
 from products.protection.rig_in_c import RIG
-from products.protection.single_controller import OneInC
 
 APPLY, VENT = 0, 2
 

@@ -225,7 +225,7 @@ def test_readers_of_controllers_say_the_same(whole: Path, tmp_path: Path) -> Non
     with pytest.raises(BadInputError, match=re.escape(words)):
         fmu_names(path, 2)
     with pytest.raises(archive.ArchiveError, match=re.escape(words)):
-        InFmu(path, 2, 5e-3, fmu_names(whole, 2))
+        InFmu(path, fmu_names(whole, 2), 2, 5e-3)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="headers of ELF")

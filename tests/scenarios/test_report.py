@@ -22,10 +22,10 @@ from bogie_braking.controllers.acceptance import (
     STOPS,
     UNDECIDED,
     CaseResult,
+    on_dry_rail,
     verdict_of,
 )
 from bogie_braking.controllers.acceptance import findings as found_in
-from bogie_braking.controllers.report_stops import on_dry_rail
 from bogie_braking.controllers.report_text import NO_CLAIM, headline, lines
 from bogie_braking.controllers.scoring import Scored
 from products.protection.criteria import CRITERIA, MEASURES, Criterion, check_scopes, read_criteria

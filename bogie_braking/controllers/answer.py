@@ -13,13 +13,10 @@ import sys
 from contextlib import redirect_stdout
 from pathlib import Path
 
-from bogie_braking.controllers.controller_loader import class_in
+from bogie_braking.controllers.controller_loader import maker_in
 from bogie_braking.reporting.scenario import BadInputError
 from brake_controller.rig.udp_client import HOST, PORT, answer
 from readers.command_line import whole
-
-#: The clients that are printed, by language, with their files beside wheel_slide.h.
-CLIENTS = {"c": "udp_client.c", "python": "udp_client.py"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +31,7 @@ def run(chosen: argparse.Namespace) -> bool:
     file, _, name = chosen.controller.rpartition(":")
     if not file.endswith(".py"):
         raise BadInputError(f"The controller must be FILE.py:CLASS; got {chosen.controller}.")
-    controller = class_in(Path(file), name)()
+    controller = maker_in(Path(file), name)[1]()
     try:
         with redirect_stdout(sys.stderr):  # output of the controller
             given = answer(controller, chosen.host, chosen.port, lambda text: print(text, flush=True))
