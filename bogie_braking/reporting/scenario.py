@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Protocol
 
 from bogie_braking.reporting.report import Report
 from fmu_src.cosimulation.master import Master
@@ -59,6 +60,13 @@ class Sweepable:
     run: Callable[..., Mapping[str, float | None]]
 
 
+class Run(Protocol):
+    """The function of a scenario."""
+
+    def __call__(self, options: Options, quick: bool = False) -> Report:
+        """Run it; quick: fewer cases, coarser or shorter, for tests."""
+
+
 @dataclass(frozen=True)
 class Scenario:
     """One experiment: a name, a summary, a function that runs it, and its options.
@@ -68,7 +76,7 @@ class Scenario:
 
     name: str
     summary: str
-    run: Callable[[Options], Report]
+    run: Run
     takes: frozenset[str] = frozenset()
     sweep: Sweepable | None = None
 

@@ -1,6 +1,7 @@
 """Speed against accuracy: eight cases, two with contact models 2 and 3; our methods, SciPy's and SUNDIALS'."""
 
 import time as clock
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from functools import partial
 
@@ -13,9 +14,19 @@ from bogie_braking.reporting.plots import label_edges, plt, titled
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, Row, at_most, measured, near
 from bogie_braking.reporting.scenario import Options, Scenario
-from bogie_braking.reporting.timing import least
+from bogie_braking.reporting.timing import REPEATS, least
 from evidence.measuring.runs import own
-from evidence.measuring.scenes import ASYMMETRIC, ON_PATCHES, ON_STRIPS, SCENES, SMOOTH, STANDING, Scene, difference
+from evidence.measuring.scenes import (
+    ASYMMETRIC,
+    LOCK_UP,
+    ON_PATCHES,
+    ON_STRIPS,
+    SCENES,
+    SMOOTH,
+    STANDING,
+    Scene,
+    difference,
+)
 from evidence.peers import sundials
 from evidence.peers.exchange import EXCHANGE
 from evidence.peers.oracle_cost import oracle_point
@@ -32,9 +43,10 @@ EXPECTED = 1e-5
 STOP = replace(STANDING, name="22.9 s stop", duration=22.9)
 #: Tolerances of that stop: 1 ms of 16.9 s, 1 mm of 211 m; and of the peak over flange contact: 0.01 mm of 1.57 mm.
 STOP_TIME, DISTANCE, PEAK = 1e-3, 1e-3, 1e-5
-HOST_STEPS = (1e-3, 5e-3, 1e-2)
-#: Tolerances at which CVODE and IDA run through the stop, and number of runs at each.
-TOLERANCES, RUNS = (1e-4, 1e-5, 1e-6, 1e-7), 2
+#: Communication steps of a host, those of a quick run [s].
+HOST_STEPS, QUICK_HOST_STEPS = (1e-3, 5e-3, 1e-2), (1e-2,)
+#: Tolerances at which CVODE and IDA run through the stop, one after the other; those of a quick run.
+TOLERANCES, QUICK_TOLERANCES = 2 * (1e-4, 1e-5, 1e-6, 1e-7), (1e-6,)
 #: Style of each line: colour, marker, dashes. Ours are filled and thick, third-party ones open.
 STYLE = {
     DEFAULT: ("#0072b2", "o", "-"),
@@ -107,20 +119,21 @@ def scene_rows(one: Study) -> list[Row]:
     return rows
 
 
-def stop_rows() -> list[Row]:
+def stop_rows(quick: bool) -> list[Row]:
     """Return the stop in one long step, its errors, and CVODE at about equal error."""
     exact = STOP.measure(own(STOP, tolerance=1e-11).samples)
     found = STOP.measure(own(STOP).samples)
     late, beyond = (found[name] - exact[name] for name in ("stop time", "distance"))
     kernel = STOP.kernel()
-    seconds = least(lambda: one_step(STOP)) - least(lambda: STOP.kernel())
+    repeats = 1 if quick else REPEATS
+    seconds = least(lambda: one_step(STOP), repeats) - least(lambda: STOP.kernel(), repeats)
     rows = [
         measured("22.9 s stop in one doStep", "s", seconds, "measured now; to reach 0.03"),
         measured("22.9 s stop: times real time", "1", STOP.duration / seconds, "measured now; to reach 760"),
         measured("22.9 s stop: error of stop time", "s", late, "RODAS5P 1e-11", near(0.0, STOP_TIME)),
         measured("22.9 s stop: error of distance", "m", beyond, "RODAS5P 1e-11", near(0.0, DISTANCE)),
     ]
-    rows += sundials_stop_rows(exact, difference(found, exact))
+    rows += sundials_stop_rows(exact, difference(found, exact), QUICK_TOLERANCES if quick else TOLERANCES)
     kernel.step(0.0, 1e-3)
     count = 4000
     begin = clock.perf_counter()
@@ -138,13 +151,13 @@ def stop_rows() -> list[Row]:
     return rows
 
 
-def sundials_stop_rows(exact: dict[str, float], ours: float) -> list[Row]:
+def sundials_stop_rows(exact: dict[str, float], ours: float, tolerances: Sequence[float]) -> list[Row]:
     """Return the fastest run of CVODE and of IDA through the stop with an error of at most `EXPECTED`, at any
     tolerance.
     """
     rows = []
     for method in sundials.METHODS if sundials.is_installed() else ():
-        runs = [(sundials.sundials(STOP, method, value), value) for value in TOLERANCES for _ in range(RUNS)]
+        runs = [(sundials.sundials(STOP, method, value), value) for value in tolerances]
         errors = [(run, value, difference(STOP.measure(run.samples), exact)) for run, value in runs if run.samples]
         good = [(run.seconds, value, error) for run, value, error in errors if error <= EXPECTED]
         if good:
@@ -158,13 +171,13 @@ def one_step(scene: Scene) -> None:
     scene.kernel().step(0.0, scene.duration)
 
 
-def host_rows() -> list[Row]:
+def host_rows(steps: Sequence[float]) -> list[Row]:
     """Return the cost of a torque that changes at each communication step.
 
     The rows compare our kernel with CVODE, which restarts at each step, at the same tolerance and at a looser one.
     """
     rows = []
-    for step in HOST_STEPS:
+    for step in steps:
         exact = sundials.hosted_seconds("own", step, 1e-10)[1]
         found = {}
         for method, tolerance in (("own", DEFAULT_TOLERANCE), ("CVODE", DEFAULT_TOLERANCE), ("CVODE", 1e-3)):
@@ -190,12 +203,12 @@ def failures(studies: list[Study]) -> list[str]:
     ]
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     begin = clock.perf_counter()
-    studies = all_studies()
-    rows = [row for one in studies for row in scene_rows(one)] + stop_rows()
+    studies = all_studies(True, (LOCK_UP,)) if quick else all_studies()
+    rows = [row for one in studies for row in scene_rows(one)] + stop_rows(quick)
     if sundials.is_installed():
-        rows += host_rows()
+        rows += host_rows(QUICK_HOST_STEPS if quick else HOST_STEPS)
     remarks = [OMITTED, *failures(studies)]
     if not sundials.is_installed():
         remarks.insert(0, "CVODE and IDA are missing: install the extra 'charts' with Python 3.11 or later.")

@@ -83,8 +83,9 @@ def series_of(found: Study) -> Recording:
     return series
 
 
-def run(options: Options) -> Report:
-    found = ensembles.study()
+def run(options: Options, quick: bool = False) -> Report:
+    extent = ensembles.QUICK if quick else ensembles.Extent()
+    found = ensembles.study(extent)
     rows = [row for level in ensembles.LEVELS for row in level_rows(found, level)]
     remarks = [
         f"{one.level}, {one.way} at {one.setting:g}: {one.reason.rstrip('.')}." for one in found.rates if one.reason
@@ -92,7 +93,7 @@ def run(options: Options) -> Report:
     if not sundials.is_installed():
         remarks.insert(0, "CVODE is missing: install the extra 'charts' with Python 3.11 or later.")
     parameters = tables_5_1_and_5_2().values() | {
-        "torques": ensembles.judged().tolist(),
+        "torques": extent.torques.tolist(),
         "processors": os.cpu_count(),
         "points": [asdict(one) for one in found.rates],
         "uncertainty": found.uncertainty,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
@@ -44,6 +44,9 @@ FEW, STEADY, CHANGES = (10, 20, WAGONS), 0.004, (1e-12, 1e-10, 1e-8)
 #: Limits [1]: errors of the largest compression, of the head's distance, and of two references; errors of a wrong run
 #: and of a diverged one.
 FORCE, DISTANCE, AGREE, LIE, BLOWN = 0.01, 1e-4, 1e-4, 0.05, 1.0
+#: Settings of a quick run, of one train of few wagons.
+QUICK, QUICK_FEW = {EXPLICIT: (SHARE, LYING), EULER: STEPS[-1:], MIDPOINT: (4e-3,), SPLIT: (5,)}, FEW[:1]
+QUICK |= {"CVODE": (1e-4,), "LSODA": (1e-4,)}
 EMPTY = next(name for name, load in LOADS.items() if load == 0.0)
 Work = Callable[[BrakedTrain, float], Found]
 METHODS: dict[str, tuple[Work, tuple[float, ...], str]] = {
@@ -128,23 +131,26 @@ def _joined(points: list[Point]) -> Point:
     return Point(force, distance, sum(one.cost for one in points), reason)
 
 
-def study() -> tuple[Study, Mapping[str, BrakedTrain]]:
+def study(quick: bool) -> tuple[Study, Mapping[str, BrakedTrain]]:
     trains = {name: braked_train(load) for name, load in LOADS.items()}
     costs = measured_costs(trains[EMPTY].consist)
     references = {name: one.reference() for name, one in counting(trains.items(), "references", unit="train")}
     apart = {name: _point(one.explicit(CHECK), references[name][0], costs) for name, one in trains.items()}
-    scatter = {few: braked_train(LOADS[EMPTY], few).scatter(STEADY, CHANGES) for few in FEW}
+    scatter = {few: braked_train(LOADS[EMPTY], few).scatter(STEADY, CHANGES) for few in (QUICK_FEW if quick else FEW)}
     points: dict[tuple[str, float], dict[str, Point]] = {}
     works = [(method, name) for method in METHODS for name in LOADS if method != "CVODE" or sundials.is_installed()]
     for method, name in counting(works, "methods", unit="train"):
-        for setting, point in _along(method, trains[name], references[name][0], costs).items():
+        settings = QUICK[method] if quick else METHODS[method][1]
+        for setting, point in _along(method, settings, trains[name], references[name][0], costs).items():
             points.setdefault((method, setting), {})[name] = point
     return Study(points, apart, scatter, costs, references[EMPTY][1]), trains
 
 
-def _along(method: str, train: BrakedTrain, reference: Found, costs: Costs) -> dict[float, Point]:
+def _along(
+    method: str, settings: Sequence[float], train: BrakedTrain, reference: Found, costs: Costs
+) -> dict[float, Point]:
     """Return all settings; after one over the work limit, finer ones are not run."""
-    work, settings, _ = METHODS[method]
+    work = METHODS[method][0]
     found: dict[float, Point] = {}
     given_up = ""
     for setting in settings:
@@ -159,8 +165,8 @@ def _point(one: Found, reference: Found, costs: Costs) -> Point:
     return Point(abs(force), abs(distance), costs.of(one), one.reason)
 
 
-def run(options: Options) -> Report:
-    found, trains = study()
+def run(options: Options, quick: bool = False) -> Report:
+    found, trains = study(quick)
     rows = [*judged_rows(found), *alone_rows(found), *cost_rows(found), *point_rows(found)]
     parameters = {"speed": SPEED, "wagons": WAGONS, "time": LONG, "loads": dict(LOADS), "share": SHARE}
     runs = len(LOADS) * (len(found.points) + 2)

@@ -4,7 +4,7 @@ The case is that of chapter 9 with a fixed axis of the yaw torque. Brakes are ap
 hard, so that the leading wheelset turns until its left flange meets the rail.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import product
@@ -17,7 +17,7 @@ from bogie_braking.reporting.plots import LEADING, THESIS, THREE, TRAILING, mark
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Bound, Report, Row, at_least, at_most, measured
 from bogie_braking.reporting.scenario import Options, Scenario
-from bogie_braking.reporting.timing import least
+from bogie_braking.reporting.timing import REPEATS, least
 from evidence.measuring.runs import Run, layout, own
 from evidence.measuring.scenes import SMOOTH, Scene, difference, lateral_peak
 from fmu_src.compile import build_library
@@ -38,7 +38,7 @@ from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, SPEED, Y
 APPLICATION, DURATION, INTERVAL = 5.0, 8.0, 5e-3
 #: Yaw torque at full brake [N.m]: 25 % error of chapter 9, and less than half of it, at which the flange also touches.
 STRONG, WEAK = YAW_TORQUE[25], 20e3
-#: Yaw torques over which the contact models differ.
+#: Yaw torques over which the contact models differ; a quick run has the first and the last.
 TORQUES = tuple(float(torque) for torque in np.linspace(5e3, STRONG, 9))
 RECORDED = {"lateral_1": "m", "flange_force_1": "N", "derailment_quotient_1_left": "1"}
 #: Limit of the default's error, in tolerances: the limit of the chart of speed against accuracy, EXPECTED there.
@@ -68,7 +68,7 @@ TOUCHING = 1.0
 #: Number of rounds, in which the contact models take turns. The least wall time of the rounds counts, because of noise.
 ROUNDS = 5
 #: Contact models that are timed in rounds; one run of the third takes minutes.
-QUICK = (1, 2)
+TIMED = (1, 2)
 #: Target cost of model 2 on a stop without flange contact, in units of model 1. Wall times vary:
 #: no row has this limit.
 COST_TO_REACH = 1.3
@@ -156,13 +156,13 @@ def reference(depth: int) -> Run:
     return own(scene(depth), tolerance=REFERENCE[depth])
 
 
-def accuracies(depth: int) -> dict[float, Accuracy]:
+def accuracies(depth: int, rounds: int) -> dict[float, Accuracy]:
     """Return the accuracy by tolerance; times are the least of rounds in which the tolerances take turns."""
     exact = reference(depth)
     tolerances = [one for one in TOLERANCES if one >= FINER * REFERENCE[depth] * (1 - 1e-9)]
-    count = ROUNDS if depth in QUICK else 1
-    rounds = [[own(scene(depth), tolerance=tolerance) for tolerance in tolerances] for _ in range(count)]
-    fastest = [min(runs, key=lambda run: run.seconds) for runs in zip(*rounds, strict=True)]
+    count = rounds if depth in TIMED else 1
+    runs = [[own(scene(depth), tolerance=tolerance) for tolerance in tolerances] for _ in range(count)]
+    fastest = [min(of_one, key=lambda run: run.seconds) for of_one in zip(*runs, strict=True)]
     return {tolerance: accuracy(depth, run, exact) for tolerance, run in zip(tolerances, fastest, strict=True)}
 
 
@@ -174,9 +174,9 @@ class AboutDefault:
     single: list[float]
 
 
-def errors_about_default(depth: int) -> AboutDefault:
-    """Return the errors at NEIGHBOURS, which show the scatter due to the instants at which steps end."""
-    found = {one: accuracy(depth, own(scene(depth), tolerance=one), reference(depth)) for one in NEIGHBOURS}
+def errors_about_default(depth: int, tolerances: Sequence[float]) -> AboutDefault:
+    """Return the errors at tolerances about the default: they scatter with the instants at which steps end."""
+    found = {one: accuracy(depth, own(scene(depth), tolerance=one), reference(depth)) for one in tolerances}
     return AboutDefault(*([getattr(of, kind) / one for one, of in found.items()] for kind in ("norm", "single")))
 
 
@@ -224,7 +224,7 @@ def missing_energy(depth: int) -> float:
     return abs(left / start - 1.0)
 
 
-def costs() -> dict[int, float]:
+def costs(count: int) -> dict[int, float]:
     """Return the wall time of the smooth stop of `speed-accuracy`, without flange contact, by contact model [s]."""
     kernels = {depth: SMOOTH.kernel(contact_model=depth) for depth in DEPTHS}
     torques = {name: history[0][1] for name, history in SMOOTH.inputs.items()}
@@ -234,7 +234,10 @@ def costs() -> dict[int, float]:
         kernel.set(**torques)
         kernel.advance(SMOOTH.duration)
 
-    rounds = [{depth: least(partial(once, kernel)) for depth, kernel in kernels.items()} for _ in range(ROUNDS)]
+    rounds = [
+        {depth: least(partial(once, kernel), REPEATS if count > 1 else 1) for depth, kernel in kernels.items()}
+        for _ in range(count)
+    ]
     return {depth: min(seconds[depth] for seconds in rounds) for depth in DEPTHS}
 
 
@@ -261,25 +264,26 @@ class Findings:
         return 100 * (self.peaks[depth][torque][name] / self.peaks[2][torque][name] - 1.0)
 
 
-def measure() -> Findings:
-    histories, peaks, torques = {}, {}, (*TORQUES, WEAK)
+def measure(torques: Sequence[float], neighbours: Sequence[float], rounds: int) -> Findings:
+    histories, peaks = {}, {}
     for depth in counting(DEPTHS, "depths", unit="depth"):
-        found = {torque: history(depth, torque) for torque in torques}
-        histories[depth], peaks[depth] = found[STRONG], {torque: largest(found[torque]) for torque in torques}
+        found = {torque: history(depth, torque) for torque in (*torques, WEAK)}
+        histories[depth], peaks[depth] = found[STRONG], {torque: largest(series) for torque, series in found.items()}
     return Findings(
         peaks,
         histories,
         {depth: largest(history(depth, STRONG, tolerance=REFERENCE[depth])) for depth in DEPTHS},
-        {depth: accuracies(depth) for depth in DEPTHS},
-        {depth: errors_about_default(depth) for depth in DEPTHS},
+        {depth: accuracies(depth, rounds) for depth in DEPTHS},
+        {depth: errors_about_default(depth, neighbours) for depth in DEPTHS},
         {depth: steps_over_shift(depth) for depth in DEPTHS},
-        costs(),
+        costs(rounds),
         {depth: missing_energy(depth) for depth in DEPTHS if depth > 1},
     )
 
 
-def run(options: Options) -> Report:
-    found = measure()
+def run(options: Options, quick: bool = False) -> Report:
+    torques, neighbours, rounds = (TORQUES[::8], NEIGHBOURS[::3], 1) if quick else (TORQUES, NEIGHBOURS, ROUNDS)
+    found = measure(torques, neighbours, rounds)
     series = Recording({"time": "s"}, [[time] for time in found.histories[1]["time"]])
     for depth, one in found.histories.items():
         for name, unit in RECORDED.items():
@@ -289,11 +293,11 @@ def run(options: Options) -> Report:
     parameters = tables_5_1_and_5_2().values() | {
         "initial_speed": SPEED,
         "brake_torque": BRAKE_TORQUE,
-        "yaw_torques": [*TORQUES, WEAK],
+        "yaw_torques": [*torques, WEAK],
         "application_time": APPLICATION,
         "tolerances": TOLERANCES,
     }
-    seconds = DURATION * len(DEPTHS) * (len(TORQUES) + len(TOLERANCES) + 4)
+    seconds = DURATION * len(DEPTHS) * (len(torques) + len(TOLERANCES) + 4)
     return Report(rows, series, lambda: draw(found), parameters, seconds, remarks(found))
 
 
@@ -428,7 +432,8 @@ def draw_difference(axis: Axes, found: Findings) -> None:
     """Draw the excess of model 1 over model 2, over the torque."""
     for (name, (words, _, _)), marker, colour in zip(COMPARED.items(), "os^", THREE, strict=True):
         # below, no flange touches
-        touched = [torque for torque in TORQUES if name != "flange_force_1" or found.peaks[2][torque][name] > TOUCHING]
+        torques = [torque for torque in found.peaks[2] if torque != WEAK]
+        touched = [torque for torque in torques if name != "flange_force_1" or found.peaks[2][torque][name] > TOUCHING]
         values = [found.more(name, torque) for torque in touched]
         axis.plot([1e-3 * torque for torque in touched], values, marker=marker, color=colour, label=words)
     axis.set(title="model 1 finds more than model 2 by [%]", xlabel="yaw torque at full brake [kN.m]")
@@ -441,7 +446,7 @@ def draw_steps(axis: Axes, found: Findings) -> None:
         near = one.shift > NEAR_FLANGE
         axis.plot(1e3 * one.shift[near], 1e3 * one.step[near], "o", color=COLOURS[depth], markersize=3)
         limit = 1e3 * one.period / STEPS_OF_A_PERIOD
-        if depth not in QUICK:
+        if depth not in TIMED:
             continue  # as that of model 2
         axis.axhline(limit, color=COLOURS[depth], linewidth=0.8, linestyle=":")
         place, words = (1e3 * NEAR_FLANGE, limit), f"1/{STEPS_OF_A_PERIOD} of the fastest period, model {depth}"

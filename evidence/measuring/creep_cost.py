@@ -2,14 +2,14 @@
 
 import ctypes
 import tempfile
-import time
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import casadi as ca
 import numpy as np
 
+from bogie_braking.reporting.timing import least
 from fmu_src.chain import Chain
 from fmu_src.compile import FLAGS, OPTIMISE_GENERATED, library_suffix, objects_of, run
 from fmu_src.equations import function_of
@@ -23,8 +23,8 @@ COLUMNS = 7
 DIFFERENTIATED = 4
 #: Shear modulus of steel [Pa].
 SHEAR_MODULUS = 82e9
-#: Calls per measurement, and number of measurements, of which the least counts.
-CALLS, REPEATS = 40_000, 5
+#: Calls per measurement, and number of measurements, of which the least counts; those of a quick run.
+CALLS, REPEATS, QUICK = 40_000, 5, (1000, 1)
 
 #: Calls a function at each point in turn, so that the compiler cannot predict any.
 REPEAT = """
@@ -74,7 +74,7 @@ def of_law(law: CreepLaw) -> Callable[..., None]:
     return compiled(chain, forces(law, point, chain), point)
 
 
-def cost(law: CreepLaw, points: np.ndarray, derivatives: bool) -> float:
+def cost(law: CreepLaw, points: np.ndarray, derivatives: bool, quick: bool = False) -> float:
     """Return the time of one call, on average over the points, the least of several measurements [s]."""
     point, chain = symbols(), Chain()
     result = forces(law, point, chain)
@@ -83,12 +83,9 @@ def cost(law: CreepLaw, points: np.ndarray, derivatives: bool) -> float:
     given = np.ascontiguousarray(with_coefficients(points))
     found = np.zeros(result.numel())
     repeat = compiled(chain, result, point)
-    seconds = []
-    for _ in range(REPEATS):
-        begin = time.perf_counter()
-        repeat(CALLS, len(given), given.shape[1], given.ctypes.data, found.ctypes.data)
-        seconds.append((time.perf_counter() - begin) / CALLS)
-    return min(seconds)
+    calls, repeats = QUICK if quick else (CALLS, REPEATS)
+    arguments = (len(given), given.shape[1], given.ctypes.data, found.ctypes.data)
+    return least(partial(repeat, calls, *arguments), repeats) / calls
 
 
 def compiled(chain: Chain, result: ca.SX, point: ca.SX) -> Callable[..., None]:

@@ -20,8 +20,8 @@ from rbd_model.track.friction import low
 
 #: Share of the fastest wheel's speed below which every form vents: a trivial controller.
 SHARE = 0.8
-#: Number of measured stops by form, and target of stops a minute.
-COUNTED = {"C": (512, 1e4), "arrays": (1024, 1e4), "class, two processes": (32, 1500.0)}
+#: Number of measured stops by form, that of a quick run, and target of stops a minute.
+QUICK, COUNTED = 4, {"C": (512, 1e4), "arrays": (1024, 1e4), "class, two processes": (32, 1500.0)}
 #: Range of the frictions, so that no two stops are the same.
 SPREAD = 0.01
 #: Length of a fixed step [s], that of a period.
@@ -97,11 +97,12 @@ def seconds_of(name: str, count: int) -> tuple[float, list[float]]:
     return clock.perf_counter() - begin, distances
 
 
-def protected_rows() -> list[Row]:
+def protected_rows(quick: bool = False) -> list[Row]:
     """Return stops a minute by form, and the difference between fixed steps and error control."""
     rows, exact = [], np.array(protected(in_c(), 16, 0.0))
     off = np.abs(np.array(protected(in_c(), 16, STEP)) - exact).max()
-    for name, (count, wanted) in COUNTED.items():
+    for name, (many, wanted) in COUNTED.items():
+        count = QUICK if quick else many
         seconds, _ = seconds_of(name, count)
         what = f"protected stops a minute, planar bogie, low rail, steps of 5 ms: {name}"
         rows.append(Row(what, "1", None, 60.0 * count / seconds, None, f"measured now; to reach {wanted:g}"))

@@ -7,8 +7,10 @@ import numpy as np
 from bogie_braking.reporting.report import Row
 from products.supervision import Gradients, Steps, SupervisedTrain, supervise
 
-#: Trains of a call, speeds of a curve, calls of which the fastest counts, and curves a second to reach.
-TRAINS, SPEEDS, REPEATS, WANTED = 20_000, 40, 3, 1e5
+#: Trains of a call, and calls of which the fastest counts; those of a quick run.
+MEASURED, QUICK = (20_000, 3), (500, 1)
+#: Speeds of a curve, and curves a second to reach.
+SPEEDS, WANTED = 40, 1e5
 #: Curves of a train that a call computes for an end of authority; each is an array of its own.
 CURVES = ("EBD", "EBI", "SBD", "SBI1", "SBI2", "W", "P", "I")
 LINES = {
@@ -33,10 +35,10 @@ def trains(count: int) -> SupervisedTrain:
     )
 
 
-def curves_a_second(gradients: Gradients, count: int) -> float:
+def curves_a_second(gradients: Gradients, count: int, repeats: int) -> float:
     """Return curves of 40 points a second of processor time [1/s]."""
     many, speeds, best = trains(count), np.linspace(1.0, 80.0, SPEEDS), np.inf
-    for _ in range(REPEATS):
+    for _ in range(repeats):
         begin = time.process_time()
         found = supervise(many, 5000.0, speeds, gradients=gradients)
         best = min(best, time.process_time() - begin)
@@ -44,11 +46,11 @@ def curves_a_second(gradients: Gradients, count: int) -> float:
     return number * count / best
 
 
-def supervision_rows() -> list[Row]:
+def supervision_rows(quick: bool = False) -> list[Row]:
     """Return the rows of lines with and without gradients."""
-    rows = []
+    rows, (count, repeats) = [], QUICK if quick else MEASURED
     for name, gradients in LINES.items():
-        what = f"braking curves of ETCS, {SPEEDS} points each, a second and core: {TRAINS} trains on {name}"
-        rate = curves_a_second(gradients, TRAINS)
+        what = f"braking curves of ETCS, {SPEEDS} points each, a second and core: {count} trains on {name}"
+        rate = curves_a_second(gradients, count, repeats)
         rows.append(Row(what, "1/s", None, rate, None, f"measured now; to reach {WANTED:g}"))
     return rows

@@ -28,8 +28,10 @@ SPEEDS, TORQUES, STOP = (20.0, 30.0), (18e3, 22e3), 22.9
 CONTROL_STEP, MANY, CONTROL_STEPS, WANTED = 5e-3, 1024, 1000, 2.5e6
 VENT_ABOVE, APPLY_BELOW, APPLY, VENT = 0.08, 0.03, 0.0, 2.0
 #: Frictions and simulated times to rest [s]: at the first all wheels roll, at the second the controller vents and
-#: applies again. Number of compared stops.
-RAILS, COMPARED = {0.3: 35.0, 0.08: 60.0}, 16
+#: applies again; those of a quick run. Number of compared stops.
+RAILS, QUICK_RAILS, COMPARED = {0.3: 35.0, 0.08: 60.0}, {0.3: 2.0}, 16
+#: Stops, and instances under a controller, of a quick run.
+QUICK = 64
 
 
 def stops_of(count: int) -> dict[str, np.ndarray]:
@@ -38,10 +40,11 @@ def stops_of(count: int) -> dict[str, np.ndarray]:
     return {"initial_speed": np.linspace(*SPEEDS, count), "brake_torque_1": torque, "brake_torque_2": torque}
 
 
-def batch_rows() -> list[Row]:
+def batch_rows(quick: bool = False) -> list[Row]:
     """Return the time of stops in batches, extrapolated from the measured number to the target number."""
     rows = []
-    for level, (system, number, measured, asked, most) in STOPS.items():
+    for level, (system, number, many, asked, most) in STOPS.items():
+        measured = QUICK if quick else many
         library = library_of_batch(model_of_fmu("bogie"), system)
         values = {"level": number} | stops_of(measured)
         seconds = min(_seconds_of(library, values, STOP) for _ in range(3)) / measured
@@ -94,19 +97,19 @@ def controlled(
         return clock.perf_counter() - begin, found["distance"].copy()
 
 
-def control_rows() -> list[Row]:
+def control_rows(quick: bool = False) -> list[Row]:
     """Return control steps a second, and the error of the final distances against the default, at both frictions."""
-    model, rows = braked_bogie(), []
-    for friction, seconds in RAILS.items():
+    model, rows, many = braked_bogie(), [], QUICK if quick else MANY
+    for friction, seconds in (QUICK_RAILS if quick else RAILS).items():
         periods = round(seconds / CONTROL_STEP)
         exact = controlled(model, COMPARED, periods, friction, {})[1]
         for substeps in (1, 2):
             fixed = {"integration_method": 2, "integration_step": CONTROL_STEP / substeps}
-            least = min(controlled(model, MANY, CONTROL_STEPS, friction, fixed)[0] for _ in range(3))
+            least = min(controlled(model, many, CONTROL_STEPS, friction, fixed)[0] for _ in range(3))
             off = np.abs(controlled(model, COMPARED, periods, friction, fixed)[1] - exact).max()
             words = f"planar bogie, two cylinders, friction {friction:g}, {1e3 * CONTROL_STEP / substeps:g} ms steps"
             aim = "measured now" + (f"; to reach {WANTED:g}" if substeps == 1 else "")
-            rate = MANY * CONTROL_STEPS / least
+            rate = many * CONTROL_STEPS / least
             rows.append(Row(f"control steps of 5 ms a second: {words}", "1/s", None, rate, None, aim))
             what = f"distance of the stop off the default's: {words}"
             source = f"the largest of {COMPARED} stops of {exact.min():.0f} to {exact.max():.0f} m"

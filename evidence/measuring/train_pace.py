@@ -3,22 +3,36 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 from functools import partial
 
 from bogie_braking.reporting.report import Row
-from bogie_braking.reporting.timing import least
+from bogie_braking.reporting.timing import REPEATS, least
 from products.train.brake_model import BRAKE_MODELS_BY_COST
 from products.train.consist import block_train
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.train.coupler import draft_gear
 
-#: Vehicles, and simulated time of an emergency from SPEED in one step [s].
-VEHICLES, SPEED, WATCHED = 150, 27.8, 20.0
-HOST_STEP, HOST_STEPS, HOSTED = 1e-3, 500, 100
-FEW, MANY = 100, 400
+#: Speed at which an emergency begins [m/s]; communication steps [s].
+SPEED, HOST_STEP, HOST_STEPS = 27.8, 1e-3, 500
 #: Targets of the project, printed with the measurement; published: fluid 0.15, fitted 7.4 times real time.
 TARGETS = {"whole, two cells": ">= 300, published 0.15", "empirical, half a cell": ">= 3000, published 7.4"}
+
+
+@dataclass(frozen=True)
+class Extent:
+    """Vehicles of the trains whose pace, host step and growth with length are measured; time of an emergency [s]."""
+
+    vehicles: int = 150
+    hosted: int = 100
+    few: int = 100
+    many: int = 400
+    watched: float = 20.0
+    repeats: int = REPEATS
+
+
+QUICK = Extent(20, 10, 10, 40, 5.0, 1)
 
 
 def braking(vehicles: int, settings: Settings) -> Train:
@@ -28,20 +42,20 @@ def braking(vehicles: int, settings: Settings) -> Train:
     return train
 
 
-def _emergency(vehicles: int, settings: Settings) -> float:
+def _emergency(vehicles: int, watched: float, settings: Settings) -> float:
     """Return the wall time of an emergency without its start [s]."""
 
     def once() -> float:
         train = braking(vehicles, settings)
         begin = time.perf_counter()
-        train.advance(WATCHED)
+        train.advance(watched)
         return time.perf_counter() - begin
 
     return min(once() for _ in range(5))
 
 
-def _host_step() -> float:
-    train = braking(HOSTED, Settings())
+def _host_step(extent: Extent) -> float:
+    train = braking(extent.hosted, Settings())
     train.advance(1.0)
     kept = train.state
 
@@ -50,19 +64,22 @@ def _host_step() -> float:
         for _ in range(HOST_STEPS):
             train.advance(HOST_STEP)
 
-    return least(steps) / HOST_STEPS
+    return least(steps, extent.repeats) / HOST_STEPS
 
 
-def train_rows() -> list[Row]:
+def train_rows(extent: Extent) -> list[Row]:
     """Return rows of the scenario `speed`."""
     rows, source = [], "measured now, one core, least of several runs"
+    few, many, watched = extent.few, extent.many, extent.watched
     for name, target in TARGETS.items():
-        pace = WATCHED / _emergency(VEHICLES, BRAKE_MODELS_BY_COST[name].settings)
-        rows.append(Row(f"train of {VEHICLES}, {name}: times real time", "1", None, pace, None, source, target))
-    rows.append(Row(f"train of {HOSTED}: doStep of 1 ms", "us", None, 1e6 * _host_step(), None, source, "<= 25"))
-    growth = FEW / MANY * _emergency(MANY, Settings()) / _emergency(FEW, Settings())
-    rows.append(Row(f"time a vehicle of {MANY} over that of {FEW}", "1", None, growth, None, source, "<= 1.3"))
-    consist = block_train(MANY - 1)
-    start = least(partial(Train, consist))
-    rows.append(Row(f"start of a train of {MANY}", "s", None, start, None, source, "<= 0.1"))
+        pace = watched / _emergency(extent.vehicles, watched, BRAKE_MODELS_BY_COST[name].settings)
+        rows.append(Row(f"train of {extent.vehicles}, {name}: times real time", "1", None, pace, None, source, target))
+    rows.append(
+        Row(f"train of {extent.hosted}: doStep of 1 ms", "us", None, 1e6 * _host_step(extent), None, source, "<= 25")
+    )
+    growth = few / many * _emergency(many, watched, Settings()) / _emergency(few, watched, Settings())
+    rows.append(Row(f"time a vehicle of {many} over that of {few}", "1", None, growth, None, source, "<= 1.3"))
+    consist = block_train(many - 1)
+    start = least(partial(Train, consist), extent.repeats)
+    rows.append(Row(f"start of a train of {many}", "s", None, start, None, source, "<= 0.1"))
     return rows

@@ -18,7 +18,7 @@ from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, Row, at_most, measured, near
 from bogie_braking.reporting.scenario import Options, Scenario, Sweepable
-from bogie_braking.reporting.timing import LEVELS, least
+from bogie_braking.reporting.timing import LEVELS, REPEATS, least
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from products.kernel_runs import AT_REST, RIGID, located_lock_time, play, prepare
@@ -153,7 +153,7 @@ def adhesion_of_the_cone() -> float:
     return 1.0 / math.cos(contact_at(thesis_pair(), 0.0).angle[0])
 
 
-def cost(level: int, utilisation: float) -> float:
+def cost(level: int, utilisation: float, repeats: int) -> float:
     """Return the time of one stop at the default tolerance, recorded at its end only; the least of several [s]."""
     kernel = start(level, DEFAULT_TOLERANCE)
 
@@ -161,7 +161,7 @@ def cost(level: int, utilisation: float) -> float:
         kernel.reopen()
         brake(kernel, utilisation, duration(utilisation))
 
-    return least(once)
+    return least(once, repeats)
 
 
 def column(stops: Sequence[Answers], question: str) -> np.ndarray:
@@ -203,17 +203,20 @@ class Findings:
         return limit
 
 
-def measure() -> Findings:
+def measure(repeats: int = REPEATS) -> Findings:
     stops = sweep(UTILISATIONS)
     friction = FRICTION * adhesion_of_the_cone()
     cone = [stop(start(2, friction=friction), utilisation) for utilisation in UTILISATIONS]
     boundaries = {name: (lock_boundary(level, 1), lock_boundary(level, 2)) for level, name in LEVELS.items()}
-    costs = {name: {utilisation: cost(level, utilisation) for utilisation in COSTED} for level, name in LEVELS.items()}
+    costs = {
+        name: {utilisation: cost(level, utilisation, repeats) for utilisation in COSTED}
+        for level, name in LEVELS.items()
+    }
     return Findings(stops, cone, boundaries, costs)
 
 
-def run(options: Options) -> Report:
-    found = measure()
+def run(options: Options, quick: bool = False) -> Report:
+    found = measure(1 if quick else REPEATS)
     series = Recording({"utilisation": "1"}, [[utilisation] for utilisation in UTILISATIONS])
     for name, stops in found.stops.items():
         for question, unit in UNITS.items():

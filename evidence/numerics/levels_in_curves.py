@@ -21,7 +21,7 @@ from bogie_braking.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, Row, measured, near
 from bogie_braking.reporting.scenario import Options, Scenario
-from bogie_braking.reporting.timing import LEVELS, least
+from bogie_braking.reporting.timing import LEVELS, REPEATS, least
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from products.kernel_runs import play, prepare_on_line
@@ -134,7 +134,7 @@ class Findings:
         return RADII[last] + share * (RADII[last + 1] - RADII[last])
 
 
-def measure() -> Findings:
+def measure(repeats: int) -> Findings:
     roeckl = np.array([float(curve_share(ca.SX(1 / radius))) for radius in RADII])
     point = np.array([resistance(radius, 1, 1.0) for radius in RADII])
     cases = counting(list(product(FRICTIONS, RADII)), "rolling")
@@ -146,10 +146,11 @@ def measure() -> Findings:
     }
     straight = resistance(math.inf, 3, 0.0)
     spatial = dict(zip(FRICTIONS, losses, strict=True))
-    return Findings(roeckl, point, spatial, straight, stops, {name: cost(level) for level, name in LEVELS.items()})
+    costs = {name: cost(level, repeats) for level, name in LEVELS.items()}
+    return Findings(roeckl, point, spatial, straight, stops, costs)
 
 
-def cost(level: int) -> float:
+def cost(level: int, repeats: int) -> float:
     """Return the wall time of one stop, the least of several [s]."""
     kernel = start(COSTED, level, 1.0)
 
@@ -157,11 +158,11 @@ def cost(level: int) -> float:
         kernel.reopen()
         brake(kernel, COSTED, UTILISATIONS[1])
 
-    return least(once)
+    return least(once, repeats)
 
 
-def run(options: Options) -> Report:
-    found = measure()
+def run(options: Options, quick: bool = False) -> Report:
+    found = measure(1 if quick else REPEATS)
     series = Recording({"radius": "m"}, [[radius] for radius in RADII])
     series.add("von_roeckl", "1", found.roeckl)
     for friction, shares in found.spatial.items():

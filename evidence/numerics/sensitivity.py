@@ -227,7 +227,7 @@ READING = (
 )
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     asked = [
         (f"{panel.title}{word}", answer, float(value))
         for panel in panels()

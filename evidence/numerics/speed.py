@@ -14,7 +14,7 @@ from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from bogie_braking.reporting.report import Report, Row, measured
 from bogie_braking.reporting.scenario import Options, Scenario
 from bogie_braking.reporting.timing import LEVELS, REPEATS, least
-from evidence.measuring import fmi_overhead, throughput
+from evidence.measuring import fmi_overhead, throughput, train_pace
 from evidence.measuring.environment_throughput import environment_rows
 from evidence.measuring.protected_throughput import protected_rows
 from evidence.measuring.supervision_throughput import supervision_rows
@@ -26,7 +26,7 @@ from fmu_src.kernel import Kernel, Library
 from products.building import kernel_of, up_to_date
 from products.coach import AS_PUBLISHED, brakes
 from products.sources import PREBUILT
-from scenarios.bench.asymmetric_shoes import run_all
+from scenarios.bench.asymmetric_shoes import CASES, run_all
 
 KINDS = ("native", "python")
 #: The stop: 25 m/s, 20 kN.m on both wheelsets, 22.9 s of simulated time (at rest from 16.9 s on).
@@ -34,8 +34,7 @@ STOP_SECONDS, TORQUE = 22.9, 20e3
 BOGIE_TORQUES = {"brake_torque_1": TORQUE, "brake_torque_2": TORQUE}
 #: Brake torque on each wheelset of the complete vehicle, which gives the deceleration of the bogie [N.m].
 VEHICLE_TORQUE = 8e3
-HOST_STEP, HOST_STEPS = 1e-3, 5000
-CALLS = 20000
+HOST_STEP = 1e-3
 #: Commands whose starting time is measured, and its target [s].
 BEGINNINGS = {
     "import bogie_braking": (["-c", "import bogie_braking"], 0.3),
@@ -44,6 +43,18 @@ BEGINNINGS = {
 #: Targets of the project; printed next to the measurement, never tested by the clock.
 TARGETS = {"point": 400e3, "planar": 28e3, "spatial": 3600.0}
 PYTHON_OVERHEAD_TARGET = 10.0
+
+
+@dataclass(frozen=True)
+class Extent:
+    """Numbers of calls, of communication steps, and of runs of which the least time counts."""
+
+    calls: int = 20000
+    host_steps: int = 5000
+    repeats: int = REPEATS
+
+
+QUICK = Extent(1000, 500, 1)
 
 
 @dataclass(frozen=True)
@@ -60,26 +71,28 @@ def start_of(level: int) -> dict[str, float]:
     return {"level": level, "initial_speed": 25.0}
 
 
-def kernel_timings(library: Library, level: int, torques: Mapping[str, float] = BOGIE_TORQUES) -> list[Timing]:
-    name = LEVELS[level]
+def kernel_timings(
+    library: Library, level: int, extent: Extent, torques: Mapping[str, float] = BOGIE_TORQUES
+) -> list[Timing]:
+    name, calls = LEVELS[level], extent.calls
     kernel = Kernel(library, **start_of(level), **torques)
     kernel.advance(1.0)
     moving = kernel.save()
 
     def steps() -> None:
         kernel.restore(moving)
-        kernel.repeat_step(HOST_STEP, HOST_STEPS)
+        kernel.repeat_step(HOST_STEP, extent.host_steps)
 
-    right_hand_side = least(lambda: kernel.repeat_right_hand_side(CALLS)) / CALLS
-    jacobian = least(lambda: kernel.repeat_jacobian(CALLS)) / CALLS
+    right_hand_side = least(lambda: kernel.repeat_right_hand_side(calls), extent.repeats) / calls
+    jacobian = least(lambda: kernel.repeat_jacobian(calls), extent.repeats) / calls
     return [
         Timing("right-hand side", name, "C", 1e6 * right_hand_side),
         Timing("Jacobian", name, "C", 1e6 * jacobian),
-        Timing("doStep of 1 ms", name, "C", 1e6 * least(steps) / HOST_STEPS),
+        Timing("doStep of 1 ms", name, "C", 1e6 * least(steps, extent.repeats) / extent.host_steps),
     ]
 
 
-def vehicle_rows() -> list[Row]:
+def vehicle_rows(extent: Extent) -> list[Row]:
     """Return the rows of the complete vehicle, in addition to the bogie: calls from C, and the stop in one call.
 
     As published, its body swings along the track undamped for the whole stop, which takes 1.6 times as many steps as
@@ -88,23 +101,23 @@ def vehicle_rows() -> list[Row]:
     library, rows = Library(kernel_of("vehicle")), []
     torques = brakes(VEHICLE_TORQUE)
     for level in (2, 3):
-        for t in kernel_timings(library, level, torques):
+        for t in kernel_timings(library, level, extent, torques):
             what = f"complete vehicle: {t.what}, {t.level}, from C"
             rows.append(measured(what, "us", t.microseconds, "measured now, least of several runs"))
         for words, published in (("as published", AS_PUBLISHED), ("with traction rods", {})):
             values = start_of(level) | torques | published
-            seconds = min(stop_time(library, values) for _ in range(REPEATS))
+            seconds = min(stop_time(library, values) for _ in range(extent.repeats))
             what = f"complete vehicle {words}: 22.9 s stop in one call, {LEVELS[level]}"
             rows.append(measured(what, "ms", 1e3 * seconds, "measured now, least of several runs"))
     return rows
 
 
-def beginning_rows() -> list[Row]:
+def beginning_rows(repeats: int) -> list[Row]:
     """Return the time from the start of a new Python to the end of an import, or of the help."""
     rows = []
     for what, (arguments, most) in BEGINNINGS.items():
         command = [sys.executable, *arguments]
-        seconds = least(partial(subprocess.run, command, check=True, stdout=subprocess.DEVNULL))
+        seconds = least(partial(subprocess.run, command, check=True, stdout=subprocess.DEVNULL), repeats)
         source = f"measured now; to stay below {most}"
         rows.append(measured(f"{what}, with the start of Python", "s", seconds, source))
     return rows
@@ -118,7 +131,7 @@ def stop_time(library: Library, values: Mapping[str, float]) -> float:
     return time.perf_counter() - begin
 
 
-def fmu_timings(kind: str, level: int) -> list[Timing]:
+def fmu_timings(kind: str, level: int, extent: Extent) -> list[Timing]:
     torques = {"brake_torque_1": TORQUE, "brake_torque_2": TORQUE}
     with FmuInstance(up_to_date("bogie", kind), **start_of(level)) as bogie:
         bogie.start(**torques)
@@ -126,7 +139,7 @@ def fmu_timings(kind: str, level: int) -> list[Timing]:
 
         def measure(size: float, count: int) -> float:
             best = np.inf
-            for _ in range(REPEATS + 1):
+            for _ in range(extent.repeats + 1):
                 bogie.restart(start_of(level), **torques)
                 begin = time.perf_counter()
                 for number in range(count):
@@ -134,7 +147,7 @@ def fmu_timings(kind: str, level: int) -> list[Timing]:
                 best = min(best, time.perf_counter() - begin)
             return float(best)
 
-        host = 1e6 * measure(HOST_STEP, HOST_STEPS) / HOST_STEPS
+        host = 1e6 * measure(HOST_STEP, extent.host_steps) / extent.host_steps
         stop = 1e6 * measure(STOP_SECONDS, 1)
     name = LEVELS[level]
     return [Timing("doStep of 1 ms", name, kind, host), Timing("22.9 s stop in one doStep", name, kind, stop)]
@@ -160,19 +173,21 @@ def rows_of_steps(timings: list[Timing]) -> list[Row]:
     return rows
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     kernel = kernel_of("bogie")
     library = Library(kernel)
-    timings = [timing for level in LEVELS for timing in kernel_timings(library, level)]
-    timings += [timing for level in LEVELS for kind in KINDS for timing in fmu_timings(kind, level)]
+    extent = QUICK if quick else Extent()
+    timings = [timing for level in LEVELS for timing in kernel_timings(library, level, extent)]
+    timings += [timing for level in LEVELS for kind in KINDS for timing in fmu_timings(kind, level, extent)]
     rows = rows_of_steps(timings)
-    rows += vehicle_rows()
-    rows += throughput.batch_rows() + throughput.control_rows() + protected_rows() + environment_rows()
-    rows += train_rows() + supervision_rows()
-    rows += beginning_rows()
+    rows += vehicle_rows(extent)
+    rows += throughput.batch_rows(quick) + throughput.control_rows(quick)
+    rows += protected_rows(quick) + environment_rows(quick)
+    rows += train_rows(train_pace.QUICK if quick else train_pace.Extent()) + supervision_rows(quick)
+    rows += beginning_rows(extent.repeats)
     rows += fmi_overhead.rows(library)
     begin = time.perf_counter()
-    cases = len(run_all())
+    cases = len(run_all(CASES[:1] if quick else CASES))
     seconds = time.perf_counter() - begin
     rows.append(measured(f"chapter 9, {cases} cases with recording", "s", seconds, "measured now, once"))
     stops = {level: stop_of(library, level) for level in LEVELS}
@@ -185,7 +200,7 @@ def run(options: Options) -> Report:
         "brake_torque": TORQUE,
         "initial_speed": 25.0,
         "host_step": HOST_STEP,
-        "runs": REPEATS,
+        "runs": extent.repeats,
     }
     return Report(rows, series, lambda: draw(timings), parameters, 0.0, [remark])
 

@@ -38,14 +38,14 @@ from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 
 NAMES = {RODAS5P: "RODAS5P", ROS34PW2: "ROS34PW2", RUNGE_KUTTA: "RK4"}
 COLOURS = {RODAS5P: LEADING, ROS34PW2: "#56b4e9", RUNGE_KUTTA: TRAILING}
-#: Speeds [m/s] of the theory, and of the simulations that test it.
+#: Speeds [m/s] of the theory, and of the simulations that test it; those of a quick run.
 SPEEDS = tuple(float(speed) for speed in np.geomspace(0.01, 60.0, 25))
 TRIED = (0.01, 0.1, 1.0, 10.0, 25.0, 60.0)
+QUICK_SPEEDS, QUICK_TRIED = tuple(np.geomspace(0.01, 60.0, 11).tolist()), (0.01, 25.0, 60.0)
 #: Steps of the default method that are simulated, as multiples of RK4's limit.
 MULTIPLES = (2.0, 10.0, 100.0)
-#: Friction coefficients and shares of the sprung mass at 25 m/s.
-FRICTIONS = tuple(float(value) for value in np.linspace(0.05, 0.6, 12))
-LOADS = tuple(float(value) for value in np.linspace(0.25, 1.5, 11))
+#: Ranges of friction coefficients and of shares of the sprung mass at 25 m/s, and their numbers; those of a quick run.
+FRICTION, LOAD, COUNTS, QUICK_COUNTS = (0.05, 0.6), (0.25, 1.5), (12, 11), (3, 3)
 SPEED_OF_LOADS = 25.0
 #: Tolerance of the boundary against the predicted one: bisection to 0.2 %, and slightly nonlinear creep.
 BOUNDARY_BAND = 0.01
@@ -62,8 +62,12 @@ STOP_STEPS = (1e-4, 1e-3, 1e-2, 1e-1)
 
 @dataclass
 class Atlas:
-    """All measurements, by panel; keys name their cases."""
+    """All measurements, by panel; keys name their cases. speeds: of the theory; tried: of the simulations [m/s]."""
 
+    speeds: tuple[float, ...]
+    tried: tuple[float, ...]
+    frictions: tuple[float, ...]
+    loads: tuple[float, ...]
     theory: dict[tuple[str, str], list[float]] = field(default_factory=dict)
     found: dict[str, list[float]] = field(default_factory=dict)
     default_growth: list[tuple[str, float, float, float]] = field(default_factory=list)
@@ -86,14 +90,14 @@ def boundaries(atlas: Atlas) -> None:
     """Measure the largest stable step over speed, by theory and by perturbation."""
     for machine in (*MACHINES, PATCHES, STRIPS):
         for method in EXPLICIT if machine is SPATIAL else ("RK4",):
-            atlas.theory[machine.name, method] = [limit(machine, speed, method) for speed in SPEEDS]
-        atlas.found[machine.name] = [boundary(machine, speed) for speed in TRIED]
+            atlas.theory[machine.name, method] = [limit(machine, speed, method) for speed in atlas.speeds]
+        atlas.found[machine.name] = [boundary(machine, speed) for speed in atlas.tried]
 
 
 def growths(atlas: Atlas) -> None:
     """Run RK4 at 0.9 and 1.1 of the predicted step, and the default method at many times that step."""
     for machine in MACHINES:
-        for speed in TRIED:
+        for speed in atlas.tried:
             step = limit(machine, speed)
             for share in (0.9, 1.1):
                 grown = growth_of_perturbation(machine, speed, share * step, RUNGE_KUTTA)
@@ -113,8 +117,8 @@ def loads_and_frictions(atlas: Atlas) -> None:
     """Measure the limit at one speed over friction and over the load on the axles."""
     mass = tables_5_1_and_5_2().frame_mass
     kinds: dict[str, tuple[tuple[float, ...], Callable[[float], tuple[tuple[str, float], ...]]]] = {
-        "friction": (FRICTIONS, lambda value: (("friction_1", value), ("friction_2", value))),
-        "share of the sprung mass": (LOADS, lambda value: (("frame_mass", value * mass),)),
+        "friction": (atlas.frictions, lambda value: (("friction_1", value), ("friction_2", value))),
+        "share of the sprung mass": (atlas.loads, lambda value: (("frame_mass", value * mass),)),
     }
     for name, (values, inputs) in kinds.items():
         atlas.over[name] = (
@@ -215,8 +219,10 @@ PARTS: tuple[Callable[[Atlas], None], ...] = (
 )
 
 
-def measure() -> Atlas:
-    atlas = Atlas()
+def measure(quick: bool = False) -> Atlas:
+    speeds, tried, counts = (QUICK_SPEEDS, QUICK_TRIED, QUICK_COUNTS) if quick else (SPEEDS, TRIED, COUNTS)
+    frictions, loads = (tuple(np.linspace(*ends, n).tolist()) for ends, n in zip((FRICTION, LOAD), counts, strict=True))
+    atlas = Atlas(speeds, tried, frictions, loads)
     parts = [*PARTS, *(partial(drifting, partitioned) for partitioned in (True, False))]
     for part in counting(parts, "parts", unit="part"):
         part(atlas)
@@ -234,7 +240,7 @@ def rows_of(atlas: Atlas) -> list[Row]:
     theory = "eigenvalues of the exact Jacobian times the stability region"
     rows = []
     for machine in (*MACHINES, PATCHES, STRIPS):
-        predicted = [limit(machine, speed) for speed in TRIED]
+        predicted = [limit(machine, speed) for speed in atlas.tried]
         ratios = [found / step for found, step in zip(atlas.found[machine.name], predicted, strict=True)]
         worst = max(ratios, key=lambda ratio: abs(ratio - 1.0))
         name = f"RK4, {machine.name}: largest stable step, found over predicted"
@@ -242,8 +248,8 @@ def rows_of(atlas: Atlas) -> list[Row]:
         step = limit(machine, 25.0)
         rows.append(measured(f"RK4, {machine.name}: limit at 25 m/s", "ms", 1e3 * step, theory))
     for machine in (SPATIAL, PATCHES, STRIPS):
-        step = limit(machine, TRIED[-1])
-        rows.append(measured(f"RK4, {machine.name}: limit at {TRIED[-1]:g} m/s", "ms", 1e3 * step, theory))
+        step = limit(machine, atlas.tried[-1])
+        rows.append(measured(f"RK4, {machine.name}: limit at {atlas.tried[-1]:g} m/s", "ms", 1e3 * step, theory))
     for share, word in ((0.9, "largest"), (1.1, "least")):
         chosen = [one for one in atlas.growth if one[2] == share]
         pick = max if share < 1.0 else min
@@ -330,8 +336,8 @@ def drift_rows(atlas: Atlas) -> list[Row]:
     ]
 
 
-def run(options: Options) -> Report:
-    atlas = measure()
+def run(options: Options, quick: bool = False) -> Report:
+    atlas = measure(quick)
     remarks = [
         "RK4's limit is about 32 us for each m/s, 66 us for a single wheelset. Above it nothing blows up: creep "
         "saturates, the axles shake, and what is slow still looks right; the log says that it is not.",
@@ -341,13 +347,13 @@ def run(options: Options) -> Report:
         "is that of the wheelsets, which bounce on their contacts.",
         "At perfect rolling the law of creep has no unique slope (3.92): limits are taken under light braking.",
     ]
-    parameters = tables_5_1_and_5_2().values() | {"speeds": SPEEDS, "steps": STEPS, "drawbar_force": DRAWBAR}
+    parameters = tables_5_1_and_5_2().values() | {"speeds": atlas.speeds, "steps": STEPS, "drawbar_force": DRAWBAR}
     return Report(rows_of(atlas), series_of(atlas), lambda: draw(atlas), parameters, 0.0, remarks)
 
 
 def series_of(atlas: Atlas) -> Recording:
     """Return the predicted largest stable steps over speed."""
-    series = Recording({"speed": "m/s"}, [[speed] for speed in SPEEDS])
+    series = Recording({"speed": "m/s"}, [[speed] for speed in atlas.speeds])
     for (machine, method), steps in atlas.theory.items():
         series.add(f"largest stable step, {method}, {machine}", "s", np.array(steps))
     return series
@@ -369,9 +375,11 @@ def draw_limits(axis: Axes, atlas: Atlas) -> None:
     colours = dict(zip(names, (LEADING, "#e69f00", THESIS, TRAILING, BOGIE), strict=True))
     dashes = {"RK4": "-", "RK45": "--", "Euler": ":"}
     for (machine, method), steps in atlas.theory.items():
-        axis.plot(SPEEDS, steps, dashes[method], color=colours[machine], label=f"{method}, {machine}", linewidth=1.2)
+        axis.plot(
+            atlas.speeds, steps, dashes[method], color=colours[machine], label=f"{method}, {machine}", linewidth=1.2
+        )
     for machine, steps in atlas.found.items():
-        axis.plot(TRIED, steps, "o", color=colours[machine], markersize=5)
+        axis.plot(atlas.tried, steps, "o", color=colours[machine], markersize=5)
     held = [
         (speed, step) for name, speed, step, factor in atlas.default_growth if name == SPATIAL.name and factor < 1.0
     ]
@@ -398,7 +406,7 @@ def draw_growth(axis: Axes, atlas: Atlas) -> None:
 
 def draw_loads(axis: Axes, atlas: Atlas) -> None:
     for (name, (theory, found)), values, colour in zip(
-        atlas.over.items(), (FRICTIONS, LOADS), (LEADING, TRAILING), strict=True
+        atlas.over.items(), (atlas.frictions, atlas.loads), (LEADING, TRAILING), strict=True
     ):
         axis.plot(values, 1e3 * np.array(theory), color=colour, label=f"over {name}")
         axis.plot(values[::3], 1e3 * np.array(found), "o", color=colour, markersize=5)

@@ -3,7 +3,7 @@
 The thesis names the Runge-Kutta method (below eq. 3.118, conclusion 2.1), but neither order nor step.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -29,6 +29,8 @@ from scenarios.bench.irregularities import CROSS_LEVEL, HUNTING_PEAK, LATERAL, L
 #: Steps of the explicit method [s], and the one that is examined in detail.
 STEPS = (3e-4, 5e-4, 7e-4, 8e-4, 9e-4, 1e-3, 1.1e-3, 1.2e-3)
 CLOSER = 1e-3
+#: Steps of a quick run [s], which has only the stops.
+QUICK_STEPS = (8e-4, CLOSER)
 #: Speed at which stops are cut [m/s]: the limit falls with the speed, and below it every step exceeds the limit more
 #: than three times. Speed to which one stop continues [m/s], to show the effect.
 CUT, BELOW = 3.0, 1.0
@@ -191,11 +193,11 @@ RUNS = (
 Study = dict[tuple[Run, float | None], Found]
 
 
-def study() -> Study:
-    """Return all runs with all steps; they share the compiled libraries and run in parallel."""
+def study(runs: Sequence[Run] = RUNS, steps: Sequence[float] = STEPS) -> Study:
+    """Return runs with all steps; they share the compiled libraries and run in parallel."""
     for name in ("bogie", "wheelset"):
         library(name, **in_space(name))  # compiled once, before the threads load them
-    asked = list(product(RUNS, (None, *STEPS)))
+    asked = list(product(runs, (None, *steps)))
     with ThreadPoolExecutor() as pool:
         found = pool.map(lambda one: one[0].found(one[1]), asked)
         bar = counting(found, "runs", len(asked), unit="run")
@@ -209,9 +211,18 @@ def words_of(step: float | None) -> str:
     return "accurate" if step is None else f"step {1e3 * step:g} ms"
 
 
-def numbers() -> list[tuple[Run, int, Printed]]:
+def runs_of(found: Study) -> list[Run]:
+    return list(dict.fromkeys(run for run, _ in found))
+
+
+def steps_of(found: Study) -> list[float | None]:
+    """Return the steps, the accurate solution first."""
+    return list(dict.fromkeys(step for _, step in found))
+
+
+def numbers(found: Study) -> list[tuple[Run, int, Printed]]:
     """Return every reported number with its run and its place there."""
-    return [(run, place, printed) for run in RUNS for place, printed in enumerate(run.printed)]
+    return [(run, place, printed) for run in runs_of(found) for place, printed in enumerate(run.printed)]
 
 
 def row_of(printed: Printed, step: float | None, value: float, warned: bool) -> Row:
@@ -231,14 +242,14 @@ def row_of(printed: Printed, step: float | None, value: float, warned: bool) -> 
 def rows_of(found: Study) -> list[Row]:
     return [
         row_of(printed, step, found[run, step].values[place], found[run, step].warned)
-        for run, place, printed in numbers()
-        for step in (None, *STEPS)
+        for run, place, printed in numbers(found)
+        for step in steps_of(found)
     ]
 
 
-def limit_rows() -> list[Row]:
+def limit_rows(found: Study) -> list[Row]:
     theory = "eigenvalues of the exact Jacobian times the stability region"
-    one_of_each = {(run.fmu, run.speed): run for run in RUNS}
+    one_of_each = {(run.fmu, run.speed): run for run in runs_of(found)}
     return [
         measured(f"{fmu}: limit of the step at {speed:g} m/s", "ms", 1e3 * run.limit(), theory)
         for (fmu, speed), run in one_of_each.items()
@@ -258,7 +269,7 @@ def rows_below() -> list[Row]:
 def verdicts(found: Study) -> dict[str, list[str]]:
     """Return the reported numbers by the effect of the closer step on their distance from the thesis."""
     names: dict[str, list[str]] = {"nearer to the thesis": [], "farther from it": [], "unchanged": []}
-    for run, place, printed in numbers():
+    for run, place, printed in numbers(found):
         accurate, other = (found[run, step].values[place] for step in (None, CLOSER))
         if abs(other / accurate - 1.0) < UNCHANGED:
             names["unchanged"].append(printed.quantity)
@@ -275,7 +286,7 @@ def remarks_of(found: Study, names: Mapping[str, list[str]], below: float) -> li
     chosen, turned = SHOES[1, 50], SHOES[2, 25]
     both = {one: " and ".join(f"{value:.1f}" for value in found[turned, one].values) for one in (CLOSER, None)}
     printed = " and ".join(f"{one.thesis:.1f}" for one in turned.printed)
-    scattered = ", ".join(f"{found[chosen, one].values[0]:.1f}" for one in STEPS)
+    scattered = ", ".join(f"{found[chosen, one].values[0]:.1f}" for one in steps_of(found)[1:])
     return [
         *remarks,
         "The thesis names a Runge-Kutta method and prints neither its order nor its step. Numbers of it that an "
@@ -292,16 +303,17 @@ def remarks_of(found: Study, names: Mapping[str, list[str]], below: float) -> li
     ]
 
 
-def run(options: Options) -> Report:
-    found, below = study(), rows_below()
+def run(options: Options, quick: bool = False) -> Report:
+    found = study(tuple(SHOES.values()), QUICK_STEPS) if quick else study()
+    below = rows_below()
     names = verdicts(found)
     counted = [
-        measured(f"numbers {words}, step {1e3 * CLOSER:g} ms", "1", len(which), f"of {len(numbers())}")
+        measured(f"numbers {words}, step {1e3 * CLOSER:g} ms", "1", len(which), f"of {len(numbers(found))}")
         for words, which in names.items()
     ]
-    rows = [*rows_of(found), *below, *limit_rows(), *counted]
+    rows = [*rows_of(found), *below, *limit_rows(found), *counted]
     seconds = sum(one.seconds for one in found.values())
-    parameters = tables_5_1_and_5_2().values() | thesis_reading() | RIGID | {"steps": STEPS}
+    parameters = tables_5_1_and_5_2().values() | thesis_reading() | RIGID | {"steps": steps_of(found)[1:]}
     remarks = remarks_of(found, names, below[1].simulated or 0.0)
     return Report(rows, table(found), lambda: draw(found), parameters, seconds, remarks)
 
@@ -310,8 +322,8 @@ def table(found: Study) -> Recording:
     """Return every value by number, counted from 1, and step; step 0: the accurate solution."""
     lines = [
         [count, step or 0.0, found[run, step].values[place], printed.thesis]
-        for count, (run, place, printed) in enumerate(numbers(), 1)
-        for step in (None, *STEPS)
+        for count, (run, place, printed) in enumerate(numbers(found), 1)
+        for step in steps_of(found)
     ]
     return Recording({"number": "1", "step": "s", "value": "as printed", "thesis": "as printed"}, lines)
 
@@ -322,16 +334,18 @@ def table(found: Study) -> Recording:
 def draw(found: Study) -> Figure:
     figure, grid = plt.subplots(3, 5, figsize=(16.0, 8.5), sharex=True)
     axes = list(grid.ravel())
-    for axis, (run, place, printed) in zip(axes, numbers(), strict=False):
-        panel(axis, run, printed, {step: found[run, step].values[place] for step in (None, *STEPS)})
-    for axis in axes[len(numbers()) :]:
+    for axis, (run, place, printed) in zip(axes, numbers(found), strict=False):
+        panel(axis, run, printed, {step: found[run, step].values[place] for step in steps_of(found)})
+    for axis in axes[len(numbers(found)) :]:
         axis.set_axis_off()
     handles, labels = axes[2].get_legend_handles_labels()
     axes[-1].legend(handles, labels, loc="center")
     for axis in grid[-1]:
         axis.set_xlabel("step of RK4 [ms]")
     nearer = len(verdicts(found)["nearer to the thesis"])
-    return titled(figure, f"{nearer} of {len(numbers())} printed numbers come closer with a {1e3 * CLOSER:g} ms step")
+    return titled(
+        figure, f"{nearer} of {len(numbers(found))} printed numbers come closer with a {1e3 * CLOSER:g} ms step"
+    )
 
 
 def panel(axis: Axes, run: Run, printed: Printed, values: Mapping[float | None, float]) -> None:

@@ -31,17 +31,39 @@ LEVELS: dict[str, tuple[dict[str, float], str]] = {
 #: Simulated time of a stop [s], and least and largest torque capacity on both wheelsets [N.m]. The first comes to rest
 #: shortly after. At rest third-party methods may switch between sliding and sticking, as ours do, without end.
 DURATION, TORQUES = SMOOTH.duration, (16e3, 20e3)
-#: Number of stops whose errors are evaluated, at evenly spaced torques; stops of a batch by level.
-JUDGED, IN_A_BATCH = 4, {"planar": 2000, "spatial": 200}
-#: Rounds of one instance and of batches, of which the fastest counts.
-ROUNDS = 2
-#: Stops of CVODE for each thread, of SciPy for each process, and time limit of one stop [s].
-OF_A_THREAD, OF_A_PROCESS, BUDGET = 8, 4, 10.0
-TOLERANCES, FIXED_STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), (1e-2, 5e-3, 2e-3)
-COARSE = (1e-3, 1e-5, 1e-7)
+#: Time limit of one stop of third-party methods [s].
+BUDGET = 10.0
 ALONE, BATCH, FIXED = "one instance", "batch", "fixed step"
 IN_THREADS, IN_PROCESSES = "CVODE, threads", {f"{name} (SciPy), processes": name for name in ("Radau", "BDF", "LSODA")}
 PEERS = (IN_THREADS, *IN_PROCESSES)
+
+
+@dataclass(frozen=True)
+class Extent:
+    """Settings and numbers of stops of a study.
+
+    tolerances, fixed_steps [s], coarse: settings of ours and CVODE's, of ours, and of SciPy's methods. judged: stops
+    whose errors are evaluated, at evenly spaced torques. planar, spatial: stops of a batch. rounds: of one instance and
+    of batches, of which the fastest counts. of_a_thread, of_a_process: stops of CVODE, and of SciPy, for each worker.
+    """
+
+    tolerances: tuple[float, ...] = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+    fixed_steps: tuple[float, ...] = (1e-2, 5e-3, 2e-3)
+    coarse: tuple[float, ...] = (1e-3, 1e-5, 1e-7)
+    judged: int = 4
+    planar: int = 2000
+    spatial: int = 200
+    rounds: int = 2
+    of_a_thread: int = 8
+    of_a_process: int = 4
+
+    @property
+    def torques(self) -> np.ndarray:
+        """Return the torques of the stops whose errors are evaluated [N.m]."""
+        return np.linspace(*TORQUES, self.judged)
+
+
+QUICK = Extent((1e-6,), (1e-2,), (1e-5,), judged=2, planar=32, spatial=16, rounds=1, of_a_thread=1, of_a_process=1)
 
 
 @dataclass(frozen=True)
@@ -102,20 +124,15 @@ def stop(level: str, torque: float) -> Scene:
     )
 
 
-def judged() -> np.ndarray:
-    """Return the torques of the stops whose errors are evaluated [N.m]."""
-    return np.linspace(*TORQUES, JUDGED)
-
-
 Distances = Callable[[], np.ndarray]
 
 
-def alone(level: str, **values: float) -> Distances:
+def alone(level: str, torques: np.ndarray, **values: float) -> Distances:
     """Run stops in sequence, by the kernel in one thread."""
 
     def run() -> np.ndarray:
         found = []
-        for torque in judged():
+        for torque in torques:
             kernel = stop(level, torque).kernel(**values)
             found.append(kernel.record(DURATION, DURATION, ["state_frame_distance"])["state_frame_distance"][-1])
         return np.array(found)
@@ -123,13 +140,13 @@ def alone(level: str, **values: float) -> Distances:
     return run
 
 
-def together(level: str, **values: float) -> tuple[Distances, np.ndarray]:
+def together(level: str, extent: Extent, **values: float) -> tuple[Distances, np.ndarray]:
     """Run stops in a batch on all processors; return also the indices of the evaluated ones."""
     chosen, system = LEVELS[level]
-    count = max(IN_A_BATCH[level], JUDGED)
+    count = getattr(extent, level)
     torques = np.linspace(*TORQUES, count)
-    places = np.round(np.linspace(0, count - 1, JUDGED)).astype(int)
-    torques[places] = judged()
+    places = np.round(np.linspace(0, count - 1, extent.judged)).astype(int)
+    torques[places] = extent.torques
     given: dict[str, ArrayLike] = {"initial_speed": 25.0, "brake_torque_1": torques, "brake_torque_2": torques}
     in_lanes = library_of_batch(model_of("bogie"), system)
 
@@ -144,10 +161,10 @@ def together(level: str, **values: float) -> tuple[Distances, np.ndarray]:
     return run, places
 
 
-def fastest_of(run: Distances) -> tuple[float, np.ndarray]:
+def fastest_of(run: Distances, rounds: int) -> tuple[float, np.ndarray]:
     """Return stops a second, and their distances [m]."""
     best = np.inf
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         begin = clock.perf_counter()
         found = run()
         best = min(best, clock.perf_counter() - begin)
@@ -174,10 +191,10 @@ def warm_up(_: int) -> None:
 # ---- the study -------------------------------------------------------------------------------------------------------
 
 
-def settings() -> Iterator[tuple[str, float, dict[str, float]]]:
+def settings(extent: Extent) -> Iterator[tuple[str, float, dict[str, float]]]:
     """Yield our settings: suffix of the method's name, the setting, and the values of the kernel."""
-    yield from (("", value, {"tolerance": value}) for value in TOLERANCES)
-    for step in FIXED_STEPS:
+    yield from (("", value, {"tolerance": value}) for value in extent.tolerances)
+    for step in extent.fixed_steps:
         yield f", {FIXED}", step, {"integration_method": 2, "integration_step": step}
 
 
@@ -186,13 +203,13 @@ def error_of(found: np.ndarray, exact: np.ndarray) -> float:
     return float(np.abs(found / exact - 1.0).max())
 
 
-def ours(level: str, exact: np.ndarray) -> Iterator[tuple[Rate, float]]:
+def ours(level: str, exact: np.ndarray, extent: Extent) -> Iterator[tuple[Rate, float]]:
     """Yield one instance and a batch at each setting, and the difference of the two [m]."""
-    for words, setting, values in settings():
-        run, places = together(level, **values)
+    for words, setting, values in settings(extent):
+        run, places = together(level, extent, **values)
         try:
-            stops, single = fastest_of(alone(level, **values))
-            in_batch, every = fastest_of(run)
+            stops, single = fastest_of(alone(level, extent.torques, **values), extent.rounds)
+            in_batch, every = fastest_of(run, extent.rounds)
         except SimulationError as error:  # the steps are too long
             yield Rate(level, ALONE + words, setting, None, 0.0, str(error)), 0.0
             yield Rate(level, BATCH + words, setting, None, 0.0, str(error)), 0.0
@@ -202,46 +219,48 @@ def ours(level: str, exact: np.ndarray) -> Iterator[tuple[Rate, float]]:
         yield Rate(level, BATCH + words, setting, error_of(every[places], exact), in_batch), apart
 
 
-def others(level: str, exact: np.ndarray, pool: Executor, threads: Executor, workers: int) -> Iterator[Rate]:
+def others(
+    level: str, exact: np.ndarray, pool: Executor, threads: Executor, workers: int, extent: Extent
+) -> Iterator[Rate]:
     """Yield the rates of third-party methods, one stop a worker at a time."""
-    for setting in TOLERANCES if sundials.is_installed() else ():
+    for setting in extent.tolerances if sundials.is_installed() else ():
         work = partial(of_cvode, level, setting)
-        yield rate_of(level, IN_THREADS, setting, exact, threads, work, OF_A_THREAD * workers)
+        yield rate_of(level, IN_THREADS, setting, exact, threads, work, extent.of_a_thread * workers)
     for way, method in IN_PROCESSES.items():
-        for setting in COARSE:
+        for setting in extent.coarse:
             work = partial(of_scipy, level, method, setting)
-            yield rate_of(level, way, setting, exact, pool, work, OF_A_PROCESS * workers)
+            yield rate_of(level, way, setting, exact, pool, work, extent.of_a_process * workers)
 
 
 def rate_of(
     level: str, way: str, setting: float, exact: np.ndarray, pool: Executor, work: Callable[[float], Run], count: int
 ) -> Rate:
     """Run the evaluated stops repeatedly, `count` at least, by a pool of workers."""
-    torques = np.tile(judged(), -(-count // JUDGED))
+    torques = np.tile(np.linspace(*TORQUES, exact.size), -(-count // exact.size))
     begin = clock.perf_counter()
     runs = list(pool.map(work, torques.tolist()))
     stops = len(runs) / (clock.perf_counter() - begin)
     for run in runs:
         if run.failure:
             return Rate(level, way, setting, None, stops, run.failure)
-    found = np.array([distance(run.samples)["distance"] for run in runs[:JUDGED]])
+    found = np.array([distance(run.samples)["distance"] for run in runs[: exact.size]])
     return Rate(level, way, setting, error_of(found, exact), stops)
 
 
-def references(level: str) -> tuple[np.ndarray, float]:
+def references(level: str, torques: np.ndarray) -> tuple[np.ndarray, float]:
     """Return distances [m] by a third-party method at a tolerance 100 times tighter, and the largest error of our
     method at its tightest.
     """
-    found = [refer(stop(level, torque)) for torque in judged()]
+    found = [refer(stop(level, torque)) for torque in torques]
     return np.array([measures["distance"] for measures, _, _ in found]), max(off for _, off, _ in found)
 
 
-def study() -> Study:
+def study(extent: Extent) -> Study:
     """Return all rates, with a progress bar."""
     workers = os.cpu_count() or 1
     found = Study([], {}, {})
-    per_level = 2 * len(list(settings())) + len(IN_PROCESSES) * len(COARSE)
-    per_level += len(TOLERANCES) if sundials.is_installed() else 0
+    per_level = 2 * len(list(settings(extent))) + len(IN_PROCESSES) * len(extent.coarse)
+    per_level += len(extent.tolerances) if sundials.is_installed() else 0
     warm_up(0)
     with ExitStack() as held:
         bar = held.enter_context(counting(total=len(LEVELS) * per_level, text="ensembles", unit="rate"))
@@ -249,12 +268,12 @@ def study() -> Study:
         threads = held.enter_context(ThreadPoolExecutor(workers))
         list(pool.map(warm_up, range(workers)))
         for level in LEVELS:
-            exact, found.uncertainty[level] = references(level)
-            for rate, apart in ours(level, exact):
+            exact, found.uncertainty[level] = references(level, extent.torques)
+            for rate, apart in ours(level, exact, extent):
                 found.rates.append(rate)
                 found.apart[level] = max(found.apart.get(level, 0.0), apart)
                 bar.update()
-            for rate in others(level, exact, pool, threads, workers):
+            for rate in others(level, exact, pool, threads, workers, extent):
                 found.rates.append(rate)
                 bar.update()
     return found

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -29,13 +30,23 @@ from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 
-#: Controller periods of the repeated stops on low rail [s], and teeth of the sensors.
-PERIODS, TEETH = (2e-3, 5e-3, 1e-2, 2e-2), (80, 100, 128, 200, 10000)
-#: Brake torque on dry rail over that of the full service brake [1]. All wheels roll at these; one locks from 1.6 on.
-#: Then jitter of the teeth, as shares of their pitch.
-BRAKE_RATIOS, JITTERS = (1.0, 1.25, 1.5), (0.0, 0.1)
+#: Jitter of the teeth, as shares of their pitch.
+JITTERS = (0.0, 0.1)
 
 
+@dataclass(frozen=True)
+class Varied:
+    """Variations: controller periods of the stops on low rail [s], teeth of the sensors, brake torques on dry rail.
+
+    brake_ratios: over the full service brake [1]. All wheels roll at these; one locks from 1.6 on.
+    """
+
+    periods: tuple[float, ...] = (2e-3, 5e-3, 1e-2, 2e-2)
+    teeth: tuple[int, ...] = (80, 100, 128, 200, 10000)
+    brake_ratios: tuple[float, ...] = (1.0, 1.25, 1.5)
+
+
+QUICK = Varied((5e-3,), (80, 10000), (1.0, 1.25))
 #: Notes on the ideal braking force, and on the largest force of a rail.
 IDEAL = "1 too where the brake asks for less than the rail gives"
 BEST = f"mean above {ABOVE:g} m/s; largest: at the best slip of all wheels, at that speed and place"
@@ -54,6 +65,7 @@ class Findings:
     used: mean of the braking force over the largest that the rail allows [1], by rail and mode.
     """
 
+    varied: Varied
     stops: dict[tuple[str, str], Stop]
     ideal: dict[str, float]
     used: dict[tuple[str, str], float]
@@ -62,20 +74,21 @@ class Findings:
     dry: list[Stop]
 
 
-def measure() -> Findings:
+def measure(varied: Varied) -> Findings:
     stops: dict[tuple[str, str], Stop] = {}
     for mode in MODES:
         found = stops_of(RAILS, mode, Settings(), every=Settings().period)
         stops |= {(rail.name, mode): stop for rail, stop in zip(RAILS, found, strict=True)}
     on_low, on_dry = RAILS[2:3], RAILS[:1]
-    low_stops = {period: stops_of(on_low, "protected", Settings(period=period))[0] for period in PERIODS}
-    teeth = {pulses: stops_of(on_low, "protected", Settings(pulses=pulses))[0] for pulses in TEETH}
-    dry_tries = [Settings(brake_ratio=s, pulses=n, jitter=j) for s in BRAKE_RATIOS for n in TEETH for j in JITTERS]
+    low_stops = {period: stops_of(on_low, "protected", Settings(period=period))[0] for period in varied.periods}
+    teeth = {pulses: stops_of(on_low, "protected", Settings(pulses=pulses))[0] for pulses in varied.teeth}
+    changes = product(varied.brake_ratios, varied.teeth, JITTERS)
+    dry_tries = [Settings(brake_ratio=ratio, pulses=pulses, jitter=jitter) for ratio, pulses, jitter in changes]
     dry_stops = [stops_of(on_dry, "protected", settings)[0] for settings in counting(dry_tries, unit="stop")]
     best = {rail.name: PeakAdhesion(bogie(), rail.values()) for rail in RAILS}
     ideal = {name: one.stopping_distance(Settings().speed) for name, one in best.items()}
     used = {(rail, mode): float(best[rail].used(stop).mean()) for (rail, mode), stop in stops.items()}
-    return Findings(stops, ideal, used, low_stops, teeth, dry_stops)
+    return Findings(varied, stops, ideal, used, low_stops, teeth, dry_stops)
 
 
 def stops_of(rails: Sequence[RailCase], mode: str, settings: Settings, every: float = 0.0) -> list[Stop]:
@@ -134,10 +147,9 @@ def judged_rows(found: Findings) -> list[Row]:
     share = min(stop.share_in_band for stop in stops)
     commands = sum(stop.commands for stop in found.dry)
     unprotected = found.stops["low", "unprotected"]
-    words = f"worst of periods 2-20 ms, and sensors of {TEETH[0]} to {TEETH[-1]} teeth"
-    dry_words = (
-        f"{len(found.dry)} stops: {BRAKE_RATIOS[0]:g} to {BRAKE_RATIOS[-1]:g} of the full service brake, all sensors"
-    )
+    teeth, ratios = found.varied.teeth, found.varied.brake_ratios
+    words = f"worst of periods 2-20 ms, and sensors of {teeth[0]} to {teeth[-1]} teeth"
+    dry_words = f"{len(found.dry)} stops: {ratios[0]:g} to {ratios[-1]:g} of the full service brake, all sensors"
     over_ideal, over_locked = longest(stops, found.ideal["low"]), longest(stops, unprotected.distance)
     return [
         Row("low: longest distance over the ideal", "1", None, over_ideal, between(1.0, OVER_IDEAL), words),
@@ -154,8 +166,8 @@ def longest(stops: Sequence[Stop], distance: float | None) -> float | None:
     return None if None in ratios else max(ratio for ratio in ratios if ratio is not None)
 
 
-def run(options: Options) -> Report:
-    found = measure()
+def run(options: Options, quick: bool = False) -> Report:
+    found = measure(QUICK if quick else Varied())
     rows = rows_of(found)
     failures = [f"{rail}, {mode}: {stop.message}" for (rail, mode), stop in found.stops.items() if stop.message]
     remarks = [
@@ -216,7 +228,7 @@ def draw_periods(found: Findings) -> Figure:
     ideal = found.ideal["low"]
     worst = longest(list(found.low.values()), ideal)
     reached = "not every stop comes to rest" if worst is None else f"all stops stay within {worst:.2f} of the ideal"
-    periods = f"{1e3 * PERIODS[0]:g}-{1e3 * PERIODS[-1]:g} ms"
+    periods = f"{1e3 * min(found.low):g}-{1e3 * max(found.low):g} ms"
     figure, axis = single(f"At {periods} {reached}", "controller period [ms]", "stopping distance on low rail [m]")
     distances = [np.nan if stop.distance is None else stop.distance for stop in found.low.values()]
     axis.plot([1e3 * period for period in found.low], distances, "o-", color=LEADING, markersize=9, label="protected")

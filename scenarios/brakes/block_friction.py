@@ -105,7 +105,7 @@ def rows_between_laws() -> list[Row]:
     return rows
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     rows = rows_of_sources() + rows_between_laws()
     found = {law: [friction(law, force, SPEEDS) for force in FORCES] for law in LAWS}
     series = Recording({"speed": "km/h"}, SPEEDS[:, None])

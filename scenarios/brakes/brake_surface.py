@@ -165,7 +165,7 @@ def rows_of_stops(stops: Mapping[str, Stop]) -> list[Row]:
     return rows
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     off, stops = errors(), {name: stop(one) for name, one in BRAKED.items()}
     rows = rows_of_models(off) + rows_of_stops(stops)
     table = Recording({"fourier": "1"}, FOURIER[:, None])

@@ -185,7 +185,7 @@ def friction_over_speed(brake: FmuInstance) -> dict[str, np.ndarray]:
     return found
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     rows: list[Row] = []
     series = Recording({"instant": "1"}, [[number] for number in range(INSTANTS + 1)])
     seconds = 0.0

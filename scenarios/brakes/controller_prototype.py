@@ -24,7 +24,7 @@ CONTROLLERS: dict[str, Callable[[], WheelSlideController] | None] = {
 }
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     chosen = [rail for rail in RAILS if rail.name in ("low", "changing")]
     runs, settings = [Run(rail.values()) for rail in chosen], Settings()
     of_each = {

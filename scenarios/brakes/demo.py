@@ -157,7 +157,7 @@ def compared(quantity: str, unit: str, value: float, expected: float, law: str) 
     return measured(quantity, unit, value, f"closed form: {law}", near(expected, BAND * expected))
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     """Run the three stops."""
     stops = {rail: stop_of_coach(friction) for rail, friction in RAILS.items()}
     bogie, guids = stop_of_bogie(options)

@@ -36,8 +36,9 @@ from products.supervision.of_run import brake_of_run
 from rbd_model.track.friction import RailCondition, dry, low
 
 KMH = 1.0 / 3.6
-#: Speed of the line, largest speed of the train data, and speed at which the stop for these begins [m/s].
-SPEED, LARGEST, BEGIN = 140.0 * KMH, 150.0 * KMH, 165.0 * KMH
+#: Speed of the line, and that of a quick run; largest speed of the train data, and speed at which the stop for these
+#: begins [m/s].
+SPEED, QUICK_SPEED, LARGEST, BEGIN = 140.0 * KMH, 60.0 * KMH, 150.0 * KMH, 165.0 * KMH
 #: Length of the coach [m]: without effect on level track. Time until traction is off [s]: assumed.
 LENGTH, CUT_OFF = 26.4, 1.0
 #: Macro step with and without protection [s], interval and longest duration of a stop [s], speed at rest [m/s].
@@ -114,20 +115,20 @@ def train_data() -> SupervisedTrain:
     return SupervisedTrain(LENGTH, steps, steps, time, time, T_traction_cut_off=CUT_OFF)
 
 
-def stop(case: Case, train: SupervisedTrain, folder: Path) -> Stop:
+def stop(case: Case, train: SupervisedTrain, folder: Path, speed: float) -> Stop:
     """Run the coach from its indication to rest."""
     with ExitStack() as stack:
-        vehicle = stack.enter_context(coach_instance(case.rail, SPEED))
+        vehicle = stack.enter_context(coach_instance(case.rail, speed))
         curves = stack.enter_context(FmuInstance(folder / "BrakingCurves.fmu", **fmu_parameters(train)))
         slaves, step = [curves, vehicle], STEP
         links = [Connection(curves, "emergency_brake", vehicle, f"pressure_demand_{n}", FULL_PRESSURE) for n in NUMBERS]
-        curves.start(V_est=SPEED, A_est=case.acceleration, distance_to_target=1e5, reduced_adhesion=case.reduced)
+        curves.start(V_est=speed, A_est=case.acceleration, distance_to_target=1e5, reduced_adhesion=case.reduced)
         target = curves["distance_I"]
         vehicle.start(**{f"pressure_demand_{number}": 0.0 for number in NUMBERS})
         if case.protected:
             protection = stack.enter_context(FmuInstance(folder / "native" / "WheelSlideProtection4.fmu"))
             slaves, step = [curves, protection, vehicle], PROTECTED_STEP
-            protection.start(**{f"wheel_speed_{number}": SPEED for number in NUMBERS})
+            protection.start(**{f"wheel_speed_{number}": speed for number in NUMBERS})
             links += [Connection(vehicle, f"wheel_speed_{n}", protection, f"wheel_speed_{n}") for n in NUMBERS]
             links += [Connection(protection, f"valve_{n}", vehicle, f"valve_{n}") for n in NUMBERS]
         return _until_rest(Coupling(slaves, links), vehicle, curves, Driver(case.acceleration, target), step)
@@ -172,17 +173,17 @@ def _until_rest(coupling: Coupling, vehicle: FmuInstance, curves: FmuInstance, d
     return Stop(Recording(units, np.array(rows)))
 
 
-def expected(train: SupervisedTrain) -> float:
+def expected(train: SupervisedTrain, speed: float) -> float:
     """Return where the coach stops on a dry rail [m]: the error of the speed, which it does not have, is its margin."""
-    rate, time, error = float(train.A_brake_emergency.values.mean()), train.T_brake_emergency, speed_inaccuracy(SPEED)
-    return -float(error * (SPEED / rate + time) + error**2 / (2.0 * rate))
+    rate, time, error = float(train.A_brake_emergency.values.mean()), train.T_brake_emergency, speed_inaccuracy(speed)
+    return -float(error * (speed / rate + time) + error**2 / (2.0 * rate))
 
 
-def rows_of(found: Mapping[str, Stop], train: SupervisedTrain) -> list[Row]:
+def rows_of(found: Mapping[str, Stop], of_speed: float) -> list[Row]:
     """Return the overruns, those with limits first."""
     over = {name: one.overrun for name, one in found.items()}
     places = {name: -float(one.series["behind"][one.begins]) for name, one in found.items()}
-    of_speed, source = expected(train), "behind the end of authority; below 0 before it"
+    source = "behind the end of authority; below 0 before it"
     late, less_late = over[PROTECTED], over[REDUCED]
     shift = None if late is None or less_late is None else late - less_late
     earlier = places[REDUCED] - places[PROTECTED]
@@ -201,20 +202,20 @@ def rows_of(found: Mapping[str, Stop], train: SupervisedTrain) -> list[Row]:
     return rows
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     """Take the train data from a stop, and stop the coach in all cases."""
-    train = train_data()
+    train, speed = train_data(), QUICK_SPEED if quick else SPEED
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:  # Windows removes no loaded library
         folder = Path(name)
         write_in_c(curves_fmu(), folder / "BrakingCurves.fmu", 2)
         build_protection(folder, wheel_slide_protection(len(NUMBERS)))
-        found = {name: stop(case, train, folder) for name, case in counting(CASES.items(), "stops", unit="stop")}
+        found = {name: stop(case, train, folder, speed) for name, case in counting(CASES.items(), "stops", unit="stop")}
     remarks = [
         "Kdry_rst and Kwet_rst are 1: the curves have the coach's own deceleration and no margin for adhesion. The low "
         f"rail is an unverified set: {low().source}.",
     ]
     parameters = {
-        "speed": SPEED,
+        "speed": speed,
         "A_brake_emergency": train.A_brake_emergency.values.tolist(),
         "T_brake_emergency": float(train.T_brake_emergency),
         "T_traction_cut_off": CUT_OFF,
@@ -222,7 +223,7 @@ def run(options: Options) -> Report:
     }
     seconds = sum(float(one.series["time"][-1]) for one in found.values())
     series = found[PROTECTED].series
-    return Report(rows_of(found, train), series, lambda: draw(found), parameters, seconds, remarks)
+    return Report(rows_of(found, expected(train, speed)), series, lambda: draw(found), parameters, seconds, remarks)
 
 
 def draw(found: Mapping[str, Stop]) -> Figure:

@@ -88,7 +88,7 @@ def rows_of(sand: SandParameters, ways: Mapping[str, float], others: Mapping[int
     return rows
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     """Fit the law to two trials, and predict the others."""
     with counting(total=2 + len(OTHERS), unit="fit") as bar:
         sand = fitted()

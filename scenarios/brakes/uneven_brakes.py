@@ -151,7 +151,7 @@ def rows_of(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float
     return rows
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     uneven, asymmetric, physical = measure()
     remarks = [
         "Load moves to the leading wheelset under braking, so that it can take more than half of the torque: the share "

@@ -379,7 +379,7 @@ def apart() -> list[Row]:
     return rows
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     lines: dict[tuple[str, str], list[Found]] = {}
     for method in METHODS:
         for name in counting(SIDES, "contact-manchester"):

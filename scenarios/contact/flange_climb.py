@@ -1,6 +1,7 @@
 """A wheelset pushed against its rail: at which Y/Q it climbs, over friction and yaw, against Nadal (1896)."""
 
 import math
+from collections.abc import Sequence
 
 import casadi as ca
 import numpy as np
@@ -18,6 +19,7 @@ from rbd_model.contact.depth import Contact
 from rbd_model.wheelset.rigid_part import nadal_limit
 from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, instants, push, vehicle_that_climbs
 
+#: Flange angles [deg], of which a quick run has that of the curve, and frictions.
 ANGLES, FRICTIONS = (60.0, 70.3, 75.0), (0.1, 0.3, 0.5)
 #: Angle of attack at which the flange slides sideways as a whole, and which turns its contact by less than 1 % [rad].
 ATTACK = 0.035
@@ -41,9 +43,9 @@ def nadal(angle: float, friction: float) -> float:
     return float(nadal_limit(math.radians(angle), ca.SX(friction)))
 
 
-def run(options: Options) -> Report:
-    rows, steps = [], 0
-    cases = [(angle, friction) for angle in ANGLES for friction in FRICTIONS]
+def run(options: Options, quick: bool = False) -> Report:
+    rows, steps, angles = [], 0, (CURVE_ANGLE,) if quick else ANGLES
+    cases = [(angle, friction) for angle in angles for friction in FRICTIONS]
     for angle, friction in counting(cases, "flange-climb"):
         climb = push(climbing_wheelset(math.radians(angle), LAWS["default"]), friction, ATTACK)
         limit, steps = nadal(angle, friction), steps + climb.steps
@@ -59,7 +61,7 @@ def run(options: Options) -> Report:
         series.add(f"limit_{name.lower()}", "1", np.array([climb.limit(*ONSET) for climb in climbs]))
     rows += remarks(series)
     parameters = {"speed": SPEED, "growth_of_push": GROWTH, "attack": ATTACK, "steps": steps}
-    return Report(rows, series, lambda: draw(rows, series), parameters, 0.0, motion=motion)
+    return Report(rows, series, lambda: draw(rows, series, angles), parameters, 0.0, motion=motion)
 
 
 def motion() -> Motion:
@@ -107,10 +109,10 @@ def percent_under(low: np.ndarray, high: np.ndarray) -> float:
     return 100 * float(np.max(1 - low / high))
 
 
-def draw(rows: list[Row], series: Recording) -> Figure:
+def draw(rows: list[Row], series: Recording, angles: Sequence[float]) -> Figure:
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 4.4))
     friction = np.linspace(0.05, 0.55, 101)
-    for number, (angle, line, colour) in enumerate(zip(ANGLES, LINES, THREE, strict=False)):
+    for number, (angle, line, colour) in enumerate(zip(angles, LINES, THREE, strict=False)):
         limit = [nadal(angle, mu) for mu in friction]
         left.plot(friction, limit, line, color=colour, label=f"Nadal, {angle:g} degrees")
         found = [row.simulated for row in rows[3 * number : 3 * number + 3]]
@@ -126,7 +128,7 @@ def draw(rows: list[Row], series: Recording) -> Figure:
     right.set_xlabel("angle of attack [mrad]")
     right.set_title(f"the same by creep law, {CURVE_ANGLE:g} degrees, friction {CURVE_FRICTION:g}")
     right.legend()
-    limits = [nadal(angle, mu) for angle in ANGLES for mu in FRICTIONS]
+    limits = [nadal(angle, mu) for angle in angles for mu in FRICTIONS]
     off = [(row.simulated or 0.0) / limit - 1 for row, limit in zip(rows, limits, strict=False)]
     return titled(
         figure, f"At {1e3 * ATTACK:g} mrad yaw wheelsets climb within {100 * max(map(abs, off)):.1f} % of Nadal's limit"

@@ -130,7 +130,7 @@ def read(series: Recording, name: str) -> float:
 Stops = dict[float, dict[float, Recording]]
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     cases = [(radius, utilisation) for radius in RADII for utilisation in UTILISATIONS]
     bar = counting(cases, "steady curves")
     series = Recording(GIVEN | COLUMNS, [steady(*case) for case in bar])

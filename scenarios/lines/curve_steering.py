@@ -44,7 +44,7 @@ def curve(radius: float, deficiency: float, cant: float) -> list[float]:
     return [radius, deficiency, speed, cant, *(float(np.mean(steady[name])) for name in COLUMNS)]
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     cases = [(radius, 0.0, suited_cant(radius, SPEED)) for radius in RADII]
     cases += [(RADIUS, one, MOST_CANT) for one in DEFICIENCIES]
     table = [curve(*case) for case in counting(cases, "curve-steering")]

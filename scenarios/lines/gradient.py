@@ -115,7 +115,7 @@ def runs(level: int) -> dict[str, Recording]:
     }
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     bar = counting(LEVELS.items(), "gradient", unit="level")
     found = {name: runs(level) for level, name in bar}
     ends = {name: terminal(level) for level, name in LEVELS.items()}

@@ -123,7 +123,7 @@ def drive(kernel: Kernel, line: Line, speed: float, columns: Sequence[str] = REC
     return Recording({"time": "s"} | {name: units_of("bogie")[name] for name in columns}, rows)
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     kernel, line = bogie_on(options.line)
     speed = speed_on(line)
     series = drive(kernel, line, speed)

@@ -167,7 +167,7 @@ def unloading(series: Recording) -> float:
 Found = dict[Case, Recording]
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     cases = [Case(ramp, SLOW, curved=False, free=True) for ramp in RAMPS]
     cases += [Case(ramp, speed) for speed in (SLOW, FAST) for ramp in RAMPS]
     found = {case: case.run() for case in counting(cases, "transition")}

@@ -164,7 +164,7 @@ def draw(kind: Irregularity, runs: dict[float, Recording]) -> Figure:
 
 
 def scenario(name: str, kind: Irregularity) -> Scenario:
-    def run(options: Options) -> Report:
+    def run(options: Options, quick: bool = False) -> Report:
         return run_of(kind)
 
     return Scenario(name, kind.summary, run)

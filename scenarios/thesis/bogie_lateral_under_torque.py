@@ -43,7 +43,7 @@ def drive(name: str, reading: Mapping[str, float] = AS_PRINTED, columns: Sequenc
     return play("bogie", kernel, DURATION, INTERVAL, columns, inputs)
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     runs = {name: drive(name) for name in CASES}
     rows = []
     for name, series in runs.items():

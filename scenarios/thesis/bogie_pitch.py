@@ -38,7 +38,7 @@ def mean_between(series: Recording, begin: float, end: float) -> float:
     return float(series["pitch"][chosen].mean())
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     runs = {level: drive(level) for level in LEVELS}
     hung = drive(2, tables_5_1_and_5_2().torque_reaction)
     series, source = runs[2], "section 5.4.2, Fig. 5.29"

@@ -41,7 +41,7 @@ SHIFTS = np.linspace(0.0, 9.0e-3, 91)
 AMPLITUDES = np.linspace(1.0e-3, 9.0e-3, 33)
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     if options.given:
         try:
             return run_files(sides_from_files(options))

@@ -61,7 +61,7 @@ def distance_from_exact() -> np.ndarray:
     return np.asarray(100 * np.hypot(off[:, 0], off[:, 1]) / (FRICTION * LOAD))
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     distance = distance_from_exact()
     with_spin = EXACT[:, 2] != 0
     source = "Kalker's exact theory (CONTACT v25.2)"

@@ -43,7 +43,7 @@ def growth_in_time(speed: float, half_spacing: float) -> float:
     return float(np.polyfit(time[tops], np.log(lateral[tops]), 1)[0])
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     system = wheelset_in_frame()
     loci = {spacing: [modes_at(system, float(speed), spacing) for speed in SPEEDS] for spacing in (FITTED, PRINTED)}
     critical = {

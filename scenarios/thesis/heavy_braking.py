@@ -91,7 +91,7 @@ def point_rows(point: dict[str, Recording]) -> list[Row]:
     ]
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     bar = counting(list(product((2, 1), CASES)), "stops", unit="stop")
     runs = {(level, case): brake(options, level, CASES[case]) for level, case in bar}
     hung = {case: brake(options, 2, torque, BOGIE_DATA.torque_reaction)[0] for case, torque in CASES.items()}

@@ -91,7 +91,7 @@ def locked_share(curve: np.ndarray, shoe_range: tuple[float, float]) -> float:
     return float(np.mean(above))
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     curves: dict[int, np.ndarray] = {}
     step = options.macro_step(DEFAULT_STEP)
     with open_brake(options) as brake, open_bogie(options) as bogie:

@@ -131,7 +131,7 @@ def fitted_history() -> tuple[np.ndarray, np.ndarray]:
     return times, np.array([0.0, 0.0, FITTED_TORQUE, FITTED_TORQUE])
 
 
-def run(pressure: int, options: Options) -> Report:
+def run(pressure: int, options: Options, quick: bool = False) -> Report:
     if options.torque_csv is not None:
         return run_history(pressure, options)
     if options.columns is not None:

@@ -125,7 +125,7 @@ def load_row(words: str, series: Recording, judged: bool) -> Row:
     return measured(f"braking, {words}: load that moves forward", "kN", moved, "moments about the rail", band, lacking)
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     parameters = as_printed(tables_5_1_and_5_2())
     choice = recommend_level(("traction_torque_1", "brake_torque_1"), RECORDED)
     series, sequence, guids = drive(options, choice.level, parameters.torque_reaction)

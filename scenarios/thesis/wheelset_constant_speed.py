@@ -33,7 +33,7 @@ def largest(series: Recording, begin: float, end: float) -> float:
     return float(np.abs(series["lateral_1"][chosen]).max())
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     runs = {speed: hunt(speed, DURATION)[1] for speed in SPEEDS}
     slow, fast = hunting_period(runs[15.0]), hunting_period(runs[25.0])
     small, words = hunt(30.0, DURATION, **SMALL)[1], f"from a wave of {1e6 * SMALL['lateral_irregularity']:g} um"

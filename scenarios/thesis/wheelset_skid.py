@@ -41,7 +41,7 @@ def lock_in_closed_form(friction: float) -> float:
     return p.wheelset_pitch_inertia * SPEED / p.wheel_radius / (TORQUE - rail)
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     runs = {friction: brake(friction) for friction in FRICTIONS}
     rows = []
     for friction, (printed, asked, words) in zip(

@@ -23,7 +23,7 @@ def time_to_high_speed() -> float | None:
     return series.first_time(series["speed"] >= HIGH)
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     reached = time_to_high_speed()
     end = reached or 15.0
     inputs = {

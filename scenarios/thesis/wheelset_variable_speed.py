@@ -83,7 +83,7 @@ def change_in_a_wave(series: Recording, speed: float) -> float:
     return acceleration * WAVELENGTH[1] / speed
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     runs = {(kind, torque): drive(kind, torque) for torque in TORQUES for kind in START}
     rows = []
     for (kind, torque), one in runs.items():

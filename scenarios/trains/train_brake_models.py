@@ -20,10 +20,9 @@ from products.train.train import Train
 from scenarios.bench.train_runs import train_of
 
 #: Lengths of the trains behind the errors in products/train/brake_model.py, and of the trains that test them [m].
+#: Those of a quick run are the first ones.
 FITTED, HELD = (300.0, 900.0), (250.0, 400.0, 1200.0)
 SPEED, STRIDE, LONGEST = 25.0, 2.0, 250.0
-#: Length of the train whose pace is shown [m].
-SHOWN = 1200.0
 COMMANDS = {"emergency": ("emergency", 0.0), "full service": ("service", 1.0), "half service": ("service", 0.4)}
 #: Compressions below this depend on a preload and are not compared [N].
 LEAST = 60e3
@@ -78,15 +77,17 @@ def errors(
     return Error(distance, force, min(a[2] for a, _ in pairs))
 
 
-def run(options: Options) -> Report:
-    tries = [(one, brake_model) for one in scenes(FITTED + HELD) for brake_model in BRAKE_MODELS_BY_COST]
+def run(options: Options, quick: bool = False) -> Report:
+    on_fitted, on_held = (lengths[: 1 if quick else None] for lengths in (FITTED, HELD))
+    shown = max(on_held)
+    tries = [(one, brake_model) for one in scenes(on_fitted + on_held) for brake_model in BRAKE_MODELS_BY_COST]
     found = {(one, brake_model): one.stop(brake_model) for one, brake_model in counting(tries, "stops", unit="stop")}
     held = {
-        brake_model: errors(brake_model, found, HELD)
+        brake_model: errors(brake_model, found, on_held)
         for brake_model in BRAKE_MODELS_BY_COST
         if brake_model != REFERENCE
     }
-    fitted = {brake_model: errors(brake_model, found, FITTED) for brake_model in held}
+    fitted = {brake_model: errors(brake_model, found, on_fitted) for brake_model in held}
     rows = []
     for brake_model, one in held.items():
         claim, source = BRAKE_MODELS_BY_COST[brake_model], "what `select_brake_model` counts with, from other trains"
@@ -97,11 +98,11 @@ def run(options: Options) -> Report:
         for name, error in (("distance", one.distance), ("compression", one.force)):
             rows.append(measured(f"{brake_model}: error of {name}, fitted half", "%", 100 * error, "300 and 900 m"))
     pace = {
-        brake_model: float(np.median([found[one, brake_model][2] for one in scenes((SHOWN,))]))
+        brake_model: float(np.median([found[one, brake_model][2] for one in scenes((shown,))]))
         for brake_model in BRAKE_MODELS_BY_COST
     }
     for brake_model, times in pace.items():
-        rows.append(measured(f"{brake_model}: times real time, {SHOWN:g} m", "1", times, "measured, one core"))
+        rows.append(measured(f"{brake_model}: times real time, {shown:g} m", "1", times, "measured, one core"))
     cheap = held["empirical, half a cell"]
     said = [
         f"Empirical valves on half a cell a vehicle err by {100 * cheap.distance:.1f} % of the distance and "
@@ -111,16 +112,18 @@ def run(options: Options) -> Report:
     units = {"time": "s", "length": "m", "stopping_distance": "m", "largest_compression": "N", "pace": "1"}
     series = Recording(units, [[n, scene.length, *stop] for n, ((scene, _), stop) in enumerate(found.items())])
     seconds = len(tries) * 40.0
-    return Report(rows, series, lambda: draw(found, pace), {"speed": SPEED}, seconds, said)
+    return Report(rows, series, lambda: draw(found, pace, on_held), {"speed": SPEED}, seconds, said)
 
 
-def draw(found: Mapping[tuple[Scene, str], tuple[float, float, float]], pace: Mapping[str, float]) -> Figure:
+def draw(
+    found: Mapping[tuple[Scene, str], tuple[float, float, float]], pace: Mapping[str, float], on_held: tuple[float, ...]
+) -> Figure:
     cheap, names = "empirical, half a cell", list(BRAKE_MODELS_BY_COST)[:-1]
-    off, times = 100 * errors(cheap, found, HELD).distance, float(f"{pace[cheap]:.2g}")
+    off, times = 100 * errors(cheap, found, on_held).distance, float(f"{pace[cheap]:.2g}")
     message = f"Empirical valves err by {off:.1f} % and run {times:g} times real time"
     figure, axes = charts(message, ("", ""), (10.0, 4.6), sharey=True)
     for axis, which, label in zip(axes, (0, 1), ("stopping distance", "largest compression"), strict=True):
-        for colour, mark, length in zip((*FOUR, GREY), "o^sDv", sorted((*FITTED, *HELD)), strict=False):
+        for colour, mark, length in zip((*FOUR, GREY), "o^sDv", sorted({one.length for one, _ in found}), strict=False):
             kept = [one for one in scenes((length,)) if which == 0 or found[one, REFERENCE][1] > LEAST]
             due = [found[one, REFERENCE][which] for one in kept]
             pairs = {name: zip([found[one, name][which] for one in kept], due, strict=True) for name in names}
@@ -129,7 +132,7 @@ def draw(found: Mapping[tuple[Scene, str], tuple[float, float, float]], pace: Ma
         axis.set(xlabel=f"largest error of the {label} [%]")
     for name in names:
         axes[1].annotate(name, (1.02, pace[name]), xycoords=("axes fraction", "data"), va="center", fontsize=8)
-    axes[0].set_ylabel(f"times real time, {SHOWN:g} m")
+    axes[0].set_ylabel(f"times real time, {max(on_held):g} m")
     axes[0].legend(fontsize=8)
     return figure
 

@@ -57,7 +57,7 @@ def run_of(brake: str, command: str) -> Run:
     return Run(stop(train), train.largest_compression)
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     tries = [(brake, command) for command in COMMANDS for brake in BRAKES]
     found = {one: run_of(*one) for one in counting(tries, "trains", unit="train")}
     rows: list[Row] = []

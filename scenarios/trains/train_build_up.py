@@ -107,7 +107,7 @@ UNKNOWNS = {
 }
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     trains = [(mode, length) for mode, lengths in LENGTHS.items() for length in lengths]
     found = {one: build_up(consist_of(*one), one[0]) for one in counting(trains, "trains", unit="train")}
     tries = [(mode, name) for mode in VARIED for name in UNKNOWNS]

@@ -57,7 +57,7 @@ MEASURES: tuple[Measure[Train], ...] = (
 )
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     names = ("screw", "draft-gear")
     tries = [(name, speed) for name in names for speed in SPEEDS]
     found = {(name, v): impact(COUPLERS[name](), v) for name, v in counting(tries, "impacts", unit="impact")}

@@ -109,7 +109,7 @@ def stop(way: Way) -> Stop:
     return Stop(course, np.array(found), train.air_used)
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     found = {name: stop(way) for name, way in counting(WAYS.items(), "stops", unit="stop")}
     distance = {name: one.course.braking_distance for name, one in found.items()}
     protected, dirty = "low, protected", "low, protected, rail stays dirty"

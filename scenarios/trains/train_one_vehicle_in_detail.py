@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from matplotlib.figure import Figure
@@ -33,9 +33,11 @@ from scenarios.bench.pushed_in_a_curve import RADIUS, on_paper, pushed
 #: Macro steps [s]; that of the rows, and the fine one of the reference; duration of an emergency from SPEED [s].
 STEPS = (5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2)
 SHOWN, FINE, LONG = 1e-3, 1e-4, 12.0
+#: Those of a quick run.
+QUICK_STEPS, QUICK_FINE, QUICK_LONG = (1e-3, 1e-2), 5e-4, 6.0
 #: Tolerances: of the largest compression [1], of the distance [m], of a boundary [1].
 FORCE, DISTANCE, BOUNDARY = 0.01, 0.01, 0.05
-#: Sticking stiffnesses whose boundaries are determined: screw couplers, and draft gears [N/m].
+#: Sticking stiffnesses whose boundaries are determined: screw couplers, and draft gears, in a quick run alone [N/m].
 STIFFNESS = {"screw coupler, 50 MN/m": 50e6, "draft gear, 198 MN/m": 198e6}
 DEFAULT = "corrected"
 #: A compression of freight trains [N], and relative tolerance of the lateral force in a curve.
@@ -52,11 +54,11 @@ class Stop:
     course: Recording
 
 
-def emergency(level: int, way: str, size: float) -> Stop:
+def emergency(level: int, way: str, size: float, long: float) -> Stop:
     """Brake the mixed train."""
     one = mixed(screw_coupler(), level, way)
     one.train.drive("emergency")
-    for _ in range(round(LONG / size)):
+    for _ in range(round(long / size)):
         one.step(size)
     return Stop(one.train.largest_compression, float(one.train.distance[0]), _course(one, size))
 
@@ -66,22 +68,23 @@ def _course(one: MixedTrain, size: float) -> Recording:
     return Recording({"time": "s", "coupler_force_front": "N", "coupler_force_rear": "N"}, rows)
 
 
-def monolithic() -> tuple[float, float]:
+def monolithic(long: float) -> tuple[float, float]:
     """Return largest compression [N] and distance of the head [m] of a system with all vehicles as points."""
     train = Train(consist_of(screw_coupler()), speed=SPEED)
     train.drive("emergency")
-    for _ in range(round(LONG / SHOWN)):
+    for _ in range(round(long / SHOWN)):
         train.advance(SHOWN)
     return train.largest_compression, float(train.distance[0])
 
 
-def run(options: Options) -> Report:
-    whole = monolithic()
-    planar = emergency(2, "held", FINE)
-    tries = [(way, size) for way in WAYS for size in STEPS]
-    stops = {one: emergency(1, *one) for one in counting(tries, "macro steps", unit="run")}
-    shown = emergency(2, DEFAULT, SHOWN)
-    borders = find_boundaries()
+def run(options: Options, quick: bool = False) -> Report:
+    steps, fine, long = (QUICK_STEPS, QUICK_FINE, QUICK_LONG) if quick else (STEPS, FINE, LONG)
+    whole = monolithic(long)
+    planar = emergency(2, "held", fine, long)
+    tries = [(way, size) for way in WAYS for size in steps]
+    stops = {(way, size): emergency(1, way, size, long) for way, size in counting(tries, "macro steps", unit="run")}
+    shown = emergency(2, DEFAULT, SHOWN, long)
+    borders = find_boundaries(list(STIFFNESS)[-1:] if quick else list(STIFFNESS))
     rows = [*default_rows(whole, stops[DEFAULT, SHOWN], planar, shown), *boundary_rows(borders)]
     rows += curve_rows(stops[DEFAULT, SHOWN].compression)
     for (way, size), stop in stops.items():
@@ -93,8 +96,8 @@ def run(options: Options) -> Report:
         f"{100 * abs(stops[DEFAULT, SHOWN].compression / whole[0] - 1):.2f} % of the largest compression.",
         "'mean' and 'jacobi' grow at any step until friction of the couplers holds them: they lie without blowing up.",
     ]
-    seconds = LONG * (2 + len(tries) + 1)
-    return Report(rows, shown.course, lambda: draw(stops, whole), parameters, seconds, said)
+    seconds = long * (2 + len(tries) + 1)
+    return Report(rows, shown.course, lambda: draw(stops, whole, steps), parameters, seconds, said)
 
 
 def default_rows(whole: tuple[float, float], point: Stop, planar: Stop, shown: Stop) -> list[Row]:
@@ -133,11 +136,11 @@ class Border:
     found: float
 
 
-def find_boundaries() -> dict[tuple[str, str, int], Border]:
+def find_boundaries(couplers: Sequence[str]) -> dict[tuple[str, str, int], Border]:
     """Return the boundaries of the methods that have one, by coupler, method and level."""
     found = {}
     places = [(level, way) for level in LEVELS for way in ("held", "extrapolated")] + [(2, DEFAULT)]
-    bar = counting([(name, *place) for name in STIFFNESS for place in places], "boundaries", unit="boundary")
+    bar = counting([(name, *place) for name in couplers for place in places], "boundaries", unit="boundary")
     vehicles = {level: linear_vehicle(level) for level in LEVELS}
     for name, level, way in bar:
         paper = boundary(way, STIFFNESS[name], vehicles[level])
@@ -156,15 +159,15 @@ def boundary_rows(borders: Mapping[tuple[str, str, int], Border]) -> list[Row]:
     return [*rows, measured(quantity, "1", 1e3 * SHOWN / smallest, "eigenvalues", at_most(0.5))]
 
 
-def draw(stops: Mapping[tuple[str, float], Stop], whole: tuple[float, float]) -> Figure:
-    corrected, held = (100 * abs(stops[way, STEPS[-1]].distance - whole[1]) for way in (DEFAULT, "held"))
-    steps = [1e3 * size for size in STEPS]
+def draw(stops: Mapping[tuple[str, float], Stop], whole: tuple[float, float], sizes: Sequence[float]) -> Figure:
+    corrected, held = (100 * abs(stops[way, sizes[-1]].distance - whole[1]) for way in (DEFAULT, "held"))
+    steps = [1e3 * size for size in sizes]
     message = f"At {steps[-1]:g} ms {DEFAULT} copies err by {corrected:.0f} cm, held {held:.0f} cm"
     titles = ("error of the largest compression [%]", "error of the distance [cm]")
     figure, axes = charts(message, titles, (10.0, 4.8), "macro step [ms]")
     for way, colour, mark in zip(WAYS, (*FOUR, GREY), "o^sDv", strict=True):
-        force = [max(100 * abs(stops[way, size].compression / whole[0] - 1), 1e-3) for size in STEPS]
-        distance = [max(100 * abs(stops[way, size].distance - whole[1]), 1e-3) for size in STEPS]
+        force = [max(100 * abs(stops[way, size].compression / whole[0] - 1), 1e-3) for size in sizes]
+        distance = [max(100 * abs(stops[way, size].distance - whole[1]), 1e-3) for size in sizes]
         label = f"{way} (default)" if way == DEFAULT else way
         for axis, errors in zip(axes, (force, distance), strict=True):
             axis.loglog(steps, errors, mark + "-", color=colour, label=label)

@@ -90,7 +90,7 @@ def rows_of_run(driver: TimetableDriver, train: Train, run: Recording) -> list[R
     return rows
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     train = Train(consist_of([LOCOMOTIVE, COACHES]))
     driver = TimetableDriver(STOPS, LIMITS, DECELERATION)
     found = driver.drive(train)

@@ -22,7 +22,7 @@ from rbd_model.track.line import Line
 from scenarios.bench.train_runs import Course, follow, seconds_of
 from scenarios.bench.train_runs import stop as stopped
 
-#: Friction between wheels and rail [1], the one of the message, and speed at the start [m/s].
+#: Friction between wheels and rail [1], the one of the message, and of a quick run; speed at the start [m/s].
 FRICTIONS, LOW, SPEED = (0.02, 0.03, 0.05, 0.075, 0.1, 0.15), 0.05, 160 / 3.6
 #: Coaches of the train, and their additional brakes: four magnets of 50 kN, or an eddy-current brake of 30 kN.
 COACHES = 5
@@ -84,11 +84,12 @@ def moves(share: float, gradient: float = 0.04) -> float:
     return abs(float(train.speed[0]))
 
 
-def run(options: Options) -> Report:
-    tries = [(name, friction) for name in BRAKES for friction in FRICTIONS]
+def run(options: Options, quick: bool = False) -> Report:
+    frictions = (LOW,) if quick else FRICTIONS
+    tries = [(name, friction) for name in BRAKES for friction in frictions]
     found = {one: stopped(train_of(BRAKES[one[0]], one[1])) for one in counting(tries, "stops", unit="stop")}
     distance = {one: course.braking_distance for one, course in found.items()}
-    wheels, magnetic, eddy = ({f: distance[name, f] for f in FRICTIONS} for name in BRAKES)
+    wheels, magnetic, eddy = ({f: distance[name, f] for f in frictions} for name in BRAKES)
     integral = "int m v / F dv, on a rail of friction 0.02"
     slowed = alone({"magnetic_attraction": 188.0}, FAST, 20 / 3.6)
     mean = (FAST**2 - slowed.speed[-1, 0] ** 2) / (2 * slowed.braking_distance)
@@ -136,7 +137,8 @@ def draw(distance: Mapping[tuple[str, float], float]) -> Figure:
     message = f"At friction {LOW:g} magnets shorten stops from {low['wheels alone']:.0f} to {low['with magnets']:.0f} m"
     figure, axis = single(message, "friction between wheels and rail [1]", "stopping distance from 160 km/h [m]")
     for line, colour, name in zip(LINES, (FOUR[0], FOUR[3], FOUR[2]), BRAKES, strict=False):
-        axis.plot(FRICTIONS, [distance[name, f] for f in FRICTIONS], line, color=colour, marker="o", label=name)
+        by_friction = {friction: one for (brake, friction), one in distance.items() if brake == name}
+        axis.plot(list(by_friction), list(by_friction.values()), line, color=colour, marker="o", label=name)
     axis.set_ylim(0.0, None)
     axis.legend()
     return figure

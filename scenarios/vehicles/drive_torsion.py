@@ -185,7 +185,7 @@ def errors(runs: dict[int, Run]) -> dict[int, dict[str, float]]:
     }
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     runs = {case: {shafts: pull(shafts, *how) for shafts in SHAFTS} for case, how in CASES.items()}
     rows = closed_forms()
     for case, found in runs.items():

@@ -1,5 +1,6 @@
 """Wheel-slide protection of a complete vehicle on low rails, which each wheelset cleans a little for the next."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,8 @@ from products.protection.settings import BRAKE_START, Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
 
-#: Factor on the friction under each wheelset, on a rail cleaned by the one before it. Assumed.
+#: Factor on the friction under each wheelset, on a rail cleaned by the one before it (assumed); a quick run has this
+#: rail only.
 CLEANED = 1.1
 RAILS = (RailCase("low", low()), RailCase("low, cleaned", low(), (("cleaned_friction", CLEANED),)))
 #: Least part of that factor in the ratio of braking force over load from one wheelset to the next.
@@ -34,9 +36,9 @@ class Findings:
     ideal: dict[str, float]
 
 
-def measure() -> Findings:
-    settings, names = Settings(), [rail.name for rail in RAILS]
-    runs = [Run(rail.values(len(NUMBERS))) for rail in RAILS]
+def measure(rails: Sequence[RailCase]) -> Findings:
+    settings, names = Settings(), [rail.name for rail in rails]
+    runs = [Run(rail.values(len(NUMBERS))) for rail in rails]
     protected, unprotected = (
         dict(zip(names, Rig(coach(), make, settings, by_flow=True).runs(runs, every=settings.period), strict=True))
         for make in (SlideProtection, None)
@@ -80,8 +82,9 @@ def rows_of(found: Findings) -> list[Row]:
     return sorted(rows, key=lambda row: row.asked is None)  # rows with limits first
 
 
-def run(options: Options) -> Report:
-    found = measure()
+def run(options: Options, quick: bool = False) -> Report:
+    rails = RAILS[1:] if quick else RAILS
+    found = measure(rails)
     failures = [f"{name}: {stop.message}" for name, stop in found.protected.items() if stop.message]
     remarks = [
         f"Assumed: each wheelset raises the friction for the next by {100 * (CLEANED - 1):.0f} %; the low rail is that "
@@ -89,7 +92,7 @@ def run(options: Options) -> Report:
         *failures,
     ]
     stops = (*found.protected.values(), *found.unprotected.values())
-    parameters = coach_brake().values() | {"rails": {rail.name: rail.values(len(NUMBERS)) for rail in RAILS}}
+    parameters = coach_brake().values() | {"rails": {rail.name: rail.values(len(NUMBERS)) for rail in rails}}
     series = found.protected["low, cleaned"].course.recording(coach().parameters.wheel_radius)
     return Report(rows_of(found), series, lambda: draw(found), parameters, sum(stop.time for stop in stops), remarks)
 

@@ -49,7 +49,7 @@ def locking(reaction: float, record: Sequence[str] = RECORDED) -> tuple[Recordin
     return series, {number: located_lock_time(kernel, series, number) for number in NUMBERS}
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     rows, ramps = [], {}
     for name, reaction in REACTIONS.items():
         series, expected = steady(reaction)

@@ -17,8 +17,8 @@ from products.coach import AS_PUBLISHED, COACH, NUMBERS
 from products.kernel_runs import DRAG, RIGID, SETTLED, prepare, system_of
 from rbd_model.linear import Mode, critical_speed, oscillations, reduced_jacobian
 
-#: Speeds of the plot [m/s].
-SPEEDS = np.arange(5.0, 111.0, 3.0)
+#: Speeds of the plot, and of that of a quick run [m/s].
+SPEEDS, QUICK_SPEEDS = np.arange(5.0, 111.0, 3.0), np.arange(10.0, 111.0, 10.0)
 #: Least part of its energy across the track of a mode that moves body or wheelsets laterally.
 ACROSS = 0.5
 #: Disturbance, small against the flange clearance, so that the motion is linear [m]. The run that shows its growth, and
@@ -170,10 +170,11 @@ def rows_of(onsets: Mapping[str, Onset]) -> list[Row]:
     return rows
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
+    speeds = QUICK_SPEEDS if quick else SPEEDS
     onsets = {case.name: onset(case) for case in counting(CASES, unit="case")}
-    series = Recording({"speed": "m/s"}, [[float(speed)] for speed in SPEEDS])
-    points = [(case, body, speed) for case in CASES for body in (True, False) for speed in SPEEDS]
+    series = Recording({"speed": "m/s"}, [[float(speed)] for speed in speeds])
+    points = [(case, body, speed) for case in CASES for body in (True, False) for speed in speeds]
     growths: dict[tuple[str, bool], list[float]] = {}
     for case, body, speed in counting(points, unit="speed"):
         mode = hunting(case, float(speed), body)

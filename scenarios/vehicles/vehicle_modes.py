@@ -93,7 +93,7 @@ def shown(found: list[Mode]) -> list[Mode]:
     return [mode for mode in found if mode.damping_ratio < OVERDAMPED and mode.frequency > SLOWEST]
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     vertical = np.array([mode.frequency for mode in modes(PLANAR, initial_speed=0.0, **VERTICAL_ALONE)])
     rows = []
     for name, expected in PUBLISHED.items():

@@ -187,7 +187,7 @@ def rows_of(found: Findings) -> list[Row]:
     return rows
 
 
-def run(options: Options) -> Report:
+def run(options: Options, quick: bool = False) -> Report:
     found = measure()
     columns = {"friction": "1", "share": "1", "deceleration": "m/s2", "distance_error": "1", "missing_transfer": "1"}
     table = [[f, s, d.deceleration, d.distance, d.missing] for (f, s), d in found.differences.items()]

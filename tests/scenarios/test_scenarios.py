@@ -13,47 +13,16 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 from bogie_braking.__main__ import main
 from bogie_braking.reporting import report
 from bogie_braking.reporting.report import Row
-from evidence.comparisons import speed_accuracy, train_methods
-from evidence.contact import contact_model, creep_laws
-from evidence.measuring import (
-    creep_cost,
-    environment_throughput,
-    protected_throughput,
-    supervision_throughput,
-    throughput,
-    timing,
-    train_pace,
-)
-from evidence.measuring import scenes as six_scenes
-from evidence.numerics import oracle, speed, stability_atlas, thesis_step
-from evidence.peers import ensembles
-from evidence.trains import train_brake_evidence
-from scenarios.bench.asymmetric_shoes import CASES, run_all
 from scenarios.bench.torque_history import read_torque_history
-from scenarios.brakes import anti_skid, etcs_low_adhesion
-from scenarios.catalogue import SCENARIOS
-from scenarios.contact import flange_climb
-from scenarios.coupling import coupling_step
-from scenarios.lines import flexible_track
+from scenarios.catalogue import SCENARIOS, find
 from scenarios.thesis import qr30
 from scenarios.thesis.creep_forces import EXACT
-from scenarios.trains import (
-    braking_distance,
-    train_brake_models,
-    train_braking,
-    train_descent,
-    train_one_vehicle_in_detail,
-    train_standing,
-    train_track_brakes,
-)
-from scenarios.vehicles import vehicle_anti_skid, vehicle_composed, vehicle_hunting
 
 sys.path.append(str(Path(__file__).parents[2] / "docs" / "generate"))
 numbers_of_pages = importlib.import_module("numbers_of_pages")
@@ -75,153 +44,6 @@ ROW_FIELDS = {
 
 def summary(out: Path, name: str) -> dict:
     return json.loads((out / name / "summary.json").read_text())
-
-
-@pytest.fixture
-def short_oracle(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The oracle takes a minute; a tenth of each case shows that it runs."""
-    short = [replace(scene, duration=0.1 * scene.duration) for scene in oracle.SCENES]
-    monkeypatch.setattr(oracle, "SCENES", short)
-
-
-@pytest.fixture
-def short_coupling(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Macro steps below 1 ms take most of the time and give no further information."""
-    monkeypatch.setattr(coupling_step, "STEPS", (1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 2.5e-2, 5e-2, 6e-2, 7.5e-2, 1e-1))
-
-
-@pytest.fixture
-def short_study(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One setting of each method on one case; the whole study takes minutes, see `make charts`."""
-    chosen = (six_scenes.LOCK_UP,)
-    monkeypatch.setattr(speed_accuracy, "all_studies", partial(speed_accuracy.all_studies, True, chosen))
-    monkeypatch.setattr(speed_accuracy, "HOST_STEPS", (1e-2,))
-    monkeypatch.setattr(speed_accuracy, "TOLERANCES", (1e-6,))
-    monkeypatch.setattr(speed_accuracy, "RUNS", 1)
-
-
-@pytest.fixture
-def short_ensembles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One setting of each method, few stops."""
-    shorter = {"TOLERANCES": (1e-6,), "COARSE": (1e-5,), "FIXED_STEPS": (1e-2,), "ROUNDS": 1, "JUDGED": 2}
-    shorter |= {"IN_A_BATCH": {"planar": 32, "spatial": 16}, "OF_A_THREAD": 1, "OF_A_PROCESS": 1}
-    for name, value in shorter.items():
-        monkeypatch.setattr(ensembles, name, value)
-
-
-@pytest.fixture
-def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fewer periods and a shorter count; tests/scenarios/test_anti_skid.py covers the others."""
-    monkeypatch.setattr(anti_skid, "PERIODS", (5e-3,))
-    monkeypatch.setattr(anti_skid, "TEETH", (80, 10000))
-    monkeypatch.setattr(anti_skid, "BRAKE_RATIOS", anti_skid.BRAKE_RATIOS[:2])
-
-
-@pytest.fixture
-def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Speed and throughput are measured once and briefly, stability at fewer speeds, frictions and loads."""
-    monkeypatch.setattr(timing.least, "__defaults__", (1,))
-    monkeypatch.setattr(speed, "REPEATS", 1)
-    monkeypatch.setattr(speed, "run_all", lambda: run_all(CASES[:1]))
-    for name, value in {"REPEATS": 1, "CALLS": 1000}.items():
-        monkeypatch.setattr(creep_cost, name, value)
-    monkeypatch.setattr(speed, "HOST_STEPS", 500)
-    monkeypatch.setattr(speed, "CALLS", 1000)
-    monkeypatch.setattr(environment_throughput, "REPEATS", 1)
-    few_turns = {name: (rows, 100, wanted) for name, (rows, _, wanted) in environment_throughput.MEASURED.items()}
-    monkeypatch.setattr(environment_throughput, "MEASURED", few_turns)
-    monkeypatch.setattr(supervision_throughput, "REPEATS", 1)
-    monkeypatch.setattr(supervision_throughput, "TRAINS", 500)
-    few_stops = {name: (4, wanted) for name, (_, wanted) in protected_throughput.COUNTED.items()}
-    monkeypatch.setattr(protected_throughput, "COUNTED", few_stops)
-    few = {level: (system, number, 64, *wanted) for level, (system, number, _, *wanted) in throughput.STOPS.items()}
-    monkeypatch.setattr(throughput, "STOPS", few)
-    monkeypatch.setattr(throughput, "MANY", 64)
-    monkeypatch.setattr(throughput, "RAILS", {0.3: 2.0})
-    monkeypatch.setattr(contact_model, "ROUNDS", 1)
-    monkeypatch.setattr(contact_model, "TORQUES", contact_model.TORQUES[::8])
-    monkeypatch.setattr(contact_model, "NEIGHBOURS", contact_model.NEIGHBOURS[::3])
-    monkeypatch.setattr(stability_atlas, "TRIED", (0.01, 25.0, 60.0))
-    monkeypatch.setattr(stability_atlas, "SPEEDS", tuple(np.geomspace(0.01, 60.0, 11).tolist()))
-    monkeypatch.setattr(stability_atlas, "FRICTIONS", tuple(np.linspace(0.05, 0.6, 3).tolist()))
-    monkeypatch.setattr(stability_atlas, "LOADS", tuple(np.linspace(0.25, 1.5, 3).tolist()))
-
-
-@pytest.fixture
-def short_vehicles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Longer macro steps, whose orders are the same, and only the cleaned rail."""
-    monkeypatch.setattr(vehicle_composed, "STEPS", tuple(1e-3 * n for n in (2, 2.5, 4, 5, 8, 10, 12.5, 16, 20, 25)))
-    monkeypatch.setattr(vehicle_composed, "SHOWN", 2e-3)
-    monkeypatch.setattr(vehicle_hunting, "SPEEDS", np.arange(10.0, 111.0, 10.0))
-    monkeypatch.setattr(vehicle_anti_skid, "RAILS", vehicle_anti_skid.RAILS[1:])
-
-
-@pytest.fixture
-def short_track(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Only cases that do not vibrate on rigid rails; tests/rbd_model/test_yielding_track.py covers the others."""
-    calm = [scene for scene in flexible_track.scenes() if scene.name in ("curve 800 m", "straight, braked")]
-    monkeypatch.setattr(flexible_track, "scenes", lambda: calm)
-    monkeypatch.setattr(flexible_track, "SHOWN", "curve 800 m")
-    monkeypatch.setattr(flexible_track, "REPEATS", 1)
-
-
-@pytest.fixture
-def short_thesis_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two steps, and only the stops; all of it takes a minute and a half."""
-    monkeypatch.setattr(thesis_step, "RUNS", tuple(thesis_step.SHOES.values()))
-    monkeypatch.setattr(thesis_step, "STEPS", (8e-4, thesis_step.CLOSER))
-
-
-@pytest.fixture
-def short_etcs(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Stops from 60 km/h; those from 140 km/h take twice the time."""
-    monkeypatch.setattr(etcs_low_adhesion, "SPEED", 60.0 / 3.6)
-
-
-@pytest.fixture
-def short_laws(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Only laws that compile in a second; tests/rbd_model/test_creep_laws.py tests the others in the same way."""
-    chosen = ("Kalker, linear", "Shen, Hedrick, Elkins", "Kalker to Coulomb", "FASTSIM 5 x 5")
-    monkeypatch.setattr(creep_laws, "LAWS", {name: creep_laws.LAWS[name] for name in chosen})
-
-
-@pytest.fixture
-def short_flange(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Use only the flange of the curves; test_every_flange_is_climbed_at_nadals_limit has the other two."""
-    monkeypatch.setattr(flange_climb, "ANGLES", (flange_climb.CURVE_ANGLE,))
-
-
-@pytest.fixture
-def short_trains(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fewer settings of methods, shorter trains, few macro steps; tests/train covers the others."""
-    few = {name: (work, settings[-1:], text) for name, (work, settings, text) in train_methods.METHODS.items()}
-    explicit, implicit = train_methods.EXPLICIT, train_methods.MIDPOINT
-    few[explicit] = (few[explicit][0], (train_methods.SHARE, train_methods.LYING), few[explicit][2])
-    few[implicit] = (few[implicit][0], (4e-3,), few[implicit][2])
-    tolerant = {name: (few[name][0], (1e-4,), few[name][2]) for name in ("CVODE", "LSODA")}
-    split = {train_methods.SPLIT: (few[train_methods.SPLIT][0], (5,), few[train_methods.SPLIT][2])}
-    monkeypatch.setattr(train_methods, "METHODS", few | tolerant | split)
-    monkeypatch.setattr(train_methods, "FEW", (10,))
-    monkeypatch.setattr(train_brake_models, "FITTED", (300.0,))
-    monkeypatch.setattr(train_brake_models, "HELD", (250.0,))
-    monkeypatch.setattr(train_brake_models, "SHOWN", 250.0)
-    monkeypatch.setattr(train_one_vehicle_in_detail, "STEPS", (1e-3, 1e-2))
-    monkeypatch.setattr(train_one_vehicle_in_detail, "LONG", 6.0)
-    monkeypatch.setattr(train_one_vehicle_in_detail, "FINE", 5e-4)
-    stiffest = dict(list(train_one_vehicle_in_detail.STIFFNESS.items())[-1:])
-    monkeypatch.setattr(train_one_vehicle_in_detail, "STIFFNESS", stiffest)
-    monkeypatch.setattr(train_brake_evidence, "DRAWS", 2)
-    few_switches = {name: train_brake_evidence.SWITCHES[name] for name in list(train_brake_evidence.SWITCHES)[::5]}
-    monkeypatch.setattr(train_brake_evidence, "SWITCHES", few_switches)
-    last = dict(list(train_brake_evidence.MODELS.items())[-1:])
-    monkeypatch.setattr(train_brake_evidence, "MODELS", last)
-    monkeypatch.setattr(train_braking, "LENGTHS", (400.0, 750.0))
-    monkeypatch.setattr(train_descent, "GRADIENTS", (0.021, 0.039))
-    monkeypatch.setattr(train_standing, "LEAKS", train_standing.LEAKS[1:])
-    monkeypatch.setattr(train_track_brakes, "FRICTIONS", (0.05,))
-    monkeypatch.setattr(braking_distance, "MANY", 20_000)
-    for number, count in {"VEHICLES": 20, "HOSTED": 10, "FEW": 10, "MANY": 40, "WATCHED": 5.0}.items():
-        monkeypatch.setattr(train_pace, number, count)
 
 
 #: Known misses by scenario; docs/checking.md states the reasons. A miss that disappears fails the test as a new one
@@ -252,9 +74,9 @@ MISSES = {
         for quantity in ("the place on the rail", "the force ahead")
     },
     "creep-forces": {"largest distance from exact theory, with spin"},
-    # The 99 % at random states of FASTSIM and FaStrip is missed too, but short_laws leaves it out.
+    # The 99 % at random states of FASTSIM and FaStrip is missed too, but a quick run has neither.
     "creep-laws": {"Kalker to Coulomb: spin-dominated, largest distance"},
-    "vehicle-composed": {"coupled, held: error of distance at 2 ms"},  # with the steps of short_vehicles
+    "vehicle-composed": {"coupled, held: error of distance at 2 ms"},  # with the steps of a quick run
     "wheelset-skid": {"friction 0.3: time from brake to lock"},
     "wheelset-torque": {"distance slipped while braking"},
 }
@@ -265,21 +87,19 @@ FITTED_BAND = 0.1
 MOTION = re.compile(r'<script id="data" type="application/json">(.*?)</script>')
 
 
-@pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study", "short_ensembles")
-@pytest.mark.usefixtures(
-    "short_anti_skid",
-    "short_measurements",
-    "short_vehicles",
-    "short_thesis_step",
-    "short_etcs",
-    "short_laws",
-    "short_flange",
-    "short_track",
-    "short_trains",
-)
+def run_quickly(name: str, monkeypatch: pytest.MonkeyPatch, arguments: list[str]) -> int:
+    """Run a scenario by the command line, with fewer cases and shorter runs."""
+    scenario = find(name)
+    quick = replace(scenario, run=partial(scenario.run, quick=True))
+    monkeypatch.setattr("scenarios.commands.run.find", lambda _: quick)
+    return main(["run", name, *arguments])
+
+
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
-def test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_picture(name: str, tmp_path: Path) -> None:
-    status = main(["run", name, "--html", "--out", str(tmp_path)])
+def test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_picture(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    status = run_quickly(name, monkeypatch, ["--html", "--out", str(tmp_path)])
     files, others = {p.name for p in (tmp_path / name).iterdir()}, {"summary.json", "timeseries.csv", "report.html"}
     assert {"figure.png", *others} <= files
     assert all(name.endswith(".png") for name in files - others)
@@ -312,8 +132,8 @@ def test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_pictu
 
 @pytest.mark.long
 def test_every_flange_is_climbed_at_nadals_limit(tmp_path: Path) -> None:
-    """Run the scenario without short_flange."""
-    test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_picture("flange-climb", tmp_path)
+    """A quick run has one of the three flanges."""
+    assert main(["run", "flange-climb", "--out", str(tmp_path)]) == 0
 
 
 def test_known_deviations_are_on_the_page_of_checks() -> None:
