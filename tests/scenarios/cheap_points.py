@@ -83,10 +83,10 @@ def catalogued(evaluator: Callable[..., Any] | None, code: tuple[str, dict[str, 
     from products.study import study
     from products.study.points import in_processes, sources
     from scenarios import catalogue
-    from scenarios.commands import sweeping as command
+    from scenarios.commands import sweep as command
 
     def scenario(name: str, sweep: Sweepable) -> Scenario:
-        return Scenario(name, "for the tests", lambda options: None, sweep=sweep)
+        return Scenario(name, "for the tests", lambda options, quick=False: None, sweep=sweep)
 
     before = list(catalogue.SCENARIOS)
     catalogue.SCENARIOS += [
