@@ -60,7 +60,7 @@ class Sweepable:
     run: Callable[..., Mapping[str, float | None]]
 
 
-class Run(Protocol):
+class ScenarioFunction(Protocol):
     """The function of a scenario."""
 
     def __call__(self, options: Options, quick: bool = False) -> Report:
@@ -76,7 +76,7 @@ class Scenario:
 
     name: str
     summary: str
-    run: Run
+    run: ScenarioFunction
     takes: frozenset[str] = frozenset()
     sweep: Sweepable | None = None
 

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from functools import partial
 
-import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -29,9 +28,7 @@ from evidence.measuring.scenes import (
 )
 from evidence.peers import sundials
 from evidence.peers.exchange import EXCHANGE
-from evidence.peers.oracle_cost import oracle_point
-from evidence.peers.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, study, works
-from fmu_src.cosimulation.recording import Recording
+from evidence.peers.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, oracle_point, study, table_of, works
 from rbd_model.levels.models import DEFAULT_TOLERANCE
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 
@@ -218,23 +215,12 @@ def run(options: Options, quick: bool = False) -> Report:
         "uncertainty": {one.scene.name: one.uncertainty for one in studies},
     }
     simulated = sum(one.scene.duration * len(one.points) for one in studies)
-    report = Report(rows, series_of(studies), lambda: draw(studies, "seconds"), parameters, simulated, remarks)
+    units = {"setting": "1", "error": "1", "seconds": "s", "right_hand_sides": "1"}
+    series = table_of([point for one in studies for point in one.points], units)
+    report = Report(rows, series, lambda: draw(studies, "seconds"), parameters, simulated, remarks)
     report.other_figures["right-hand-sides"] = lambda: draw(studies, "right_hand_sides")
     report.parameters = dict(parameters) | {"study_seconds": clock.perf_counter() - begin}
     return report
-
-
-def series_of(studies: list[Study]) -> Recording:
-    """Return all points as rows: number, setting, error (NaN: failed), seconds, right-hand sides; names are in the
-    JSON.
-    """
-    points = [(one, point) for one in studies for point in one.points]
-    series = Recording({"point": "1"}, [[number] for number in range(len(points))])
-    columns = {"setting": "1", "error": "1", "seconds": "s", "right_hand_sides": "1"}
-    for column, unit in columns.items():
-        values = [getattr(point, column) for _, point in points]
-        series.add(column, unit, np.array([np.nan if value is None else value for value in values], float))
-    return series
 
 
 # ---- the figure --------------------------------------------------------------------------------------------------

@@ -3,7 +3,6 @@
 import os
 from dataclasses import asdict
 
-import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -13,7 +12,7 @@ from bogie_braking.reporting.report import Report, Row, at_most, measured
 from bogie_braking.reporting.scenario import Options, Scenario
 from evidence.peers import ensembles, sundials
 from evidence.peers.ensembles import ALONE, BATCH, FIXED, IN_PROCESSES, IN_THREADS, PEERS, Study
-from fmu_src.cosimulation.recording import Recording
+from evidence.peers.work_precision import table_of
 from rbd_model.levels.models import DEFAULT_TOLERANCE
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 
@@ -74,15 +73,6 @@ def message(found: Study) -> str:
     return f"A default batch makes {' and '.join(times)} times {who} stops"
 
 
-def series_of(found: Study) -> Recording:
-    """Return all points as rows: number, setting, error (NaN: failed), stops a second; names are in the JSON."""
-    series = Recording({"point": "1"}, [[number] for number in range(len(found.rates))])
-    for column, unit in {"setting": "1", "error": "1", "stops": "1/s"}.items():
-        values = [getattr(one, column) for one in found.rates]
-        series.add(column, unit, np.array([np.nan if value is None else value for value in values], float))
-    return series
-
-
 def run(options: Options, quick: bool = False) -> Report:
     extent = ensembles.QUICK if quick else ensembles.Extent()
     found = ensembles.study(extent)
@@ -98,7 +88,8 @@ def run(options: Options, quick: bool = False) -> Report:
         "points": [asdict(one) for one in found.rates],
         "uncertainty": found.uncertainty,
     }
-    return Report(rows, series_of(found), lambda: draw(found), parameters, 0.0, remarks)
+    series = table_of(found.rates, {"setting": "1", "error": "1", "stops": "1/s"})
+    return Report(rows, series, lambda: draw(found), parameters, 0.0, remarks)
 
 
 # ---- the figure ------------------------------------------------------------------------------------------------------

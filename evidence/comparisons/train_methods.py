@@ -23,7 +23,7 @@ from evidence.peers.train_couplers import (
     WAGONS,
     BrakedTrain,
     Costs,
-    Found,
+    CouplerRun,
     braked_train,
     measured_costs,
 )
@@ -48,7 +48,7 @@ FORCE, DISTANCE, AGREE, LIE, BLOWN = 0.01, 1e-4, 1e-4, 0.05, 1.0
 QUICK, QUICK_FEW = {EXPLICIT: (SHARE, LYING), EULER: STEPS[-1:], MIDPOINT: (4e-3,), SPLIT: (5,)}, FEW[:1]
 QUICK |= {"CVODE": (1e-4,), "LSODA": (1e-4,)}
 EMPTY = next(name for name, load in LOADS.items() if load == 0.0)
-Work = Callable[[BrakedTrain, float], Found]
+Work = Callable[[BrakedTrain, float], CouplerRun]
 METHODS: dict[str, tuple[Work, tuple[float, ...], str]] = {
     EXPLICIT: (BrakedTrain.explicit, SHARES, "share {:g}"),
     EULER: (BrakedTrain.implicit, STEPS, "{:g} s"),
@@ -147,20 +147,20 @@ def study(quick: bool) -> tuple[Study, Mapping[str, BrakedTrain]]:
 
 
 def _along(
-    method: str, settings: Sequence[float], train: BrakedTrain, reference: Found, costs: Costs
+    method: str, settings: Sequence[float], train: BrakedTrain, reference: CouplerRun, costs: Costs
 ) -> dict[float, Point]:
     """Return all settings; after one over the work limit, finer ones are not run."""
     work = METHODS[method][0]
     found: dict[float, Point] = {}
     given_up = ""
     for setting in settings:
-        one = Found(math.nan, math.nan, reason=given_up) if given_up else work(train, setting)
+        one = CouplerRun(math.nan, math.nan, reason=given_up) if given_up else work(train, setting)
         given_up = given_up or ("not tried, as a coarser one was given up" if one.reason else "")
         found[setting] = _point(one, reference, costs)
     return found
 
 
-def _point(one: Found, reference: Found, costs: Costs) -> Point:
+def _point(one: CouplerRun, reference: CouplerRun, costs: Costs) -> Point:
     force, distance = one.compression / reference.compression - 1, one.distance / reference.distance - 1
     return Point(abs(force), abs(distance), costs.of(one), one.reason)
 

@@ -18,7 +18,7 @@ from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Bound, Report, Row, at_least, at_most, measured
 from bogie_braking.reporting.scenario import Options, Scenario
 from bogie_braking.reporting.timing import REPEATS, least
-from evidence.measuring.runs import Run, layout, own
+from evidence.measuring.runs import SceneRun, layout, own
 from evidence.measuring.scenes import SMOOTH, Scene, difference, lateral_peak
 from fmu_src.compile import build_library
 from fmu_src.cosimulation.recording import Recording
@@ -134,7 +134,7 @@ class Accuracy:
         return float(self.course.max())
 
 
-def accuracy(depth: int, run: Run, exact: Run) -> Accuracy:
+def accuracy(depth: int, run: SceneRun, exact: SceneRun) -> Accuracy:
     """Return the errors of a run against an exact one."""
     place, form = scene(depth), layout("bogie", level=3, contact_model=depth)
     nominal = form.nominal[form.differential]
@@ -151,7 +151,7 @@ def accuracy(depth: int, run: Run, exact: Run) -> Accuracy:
 
 
 @lru_cache
-def reference(depth: int) -> Run:
+def reference(depth: int) -> SceneRun:
     """Return the reference run of a contact model, from which errors are measured."""
     return own(scene(depth), tolerance=REFERENCE[depth])
 
@@ -245,7 +245,7 @@ def costs(count: int) -> dict[int, float]:
 
 
 @dataclass(frozen=True)
-class Findings:
+class ModelComparison:
     """All results by contact model; peaks also by yaw torque [N.m]; exact_peaks: of the strong torque with the
     reference; missing: energy.
     """
@@ -264,12 +264,12 @@ class Findings:
         return 100 * (self.peaks[depth][torque][name] / self.peaks[2][torque][name] - 1.0)
 
 
-def measure(torques: Sequence[float], neighbours: Sequence[float], rounds: int) -> Findings:
+def measure(torques: Sequence[float], neighbours: Sequence[float], rounds: int) -> ModelComparison:
     histories, peaks = {}, {}
     for depth in counting(DEPTHS, "depths", unit="depth"):
         found = {torque: history(depth, torque) for torque in (*torques, WEAK)}
         histories[depth], peaks[depth] = found[STRONG], {torque: largest(series) for torque, series in found.items()}
-    return Findings(
+    return ModelComparison(
         peaks,
         histories,
         {depth: largest(history(depth, STRONG, tolerance=REFERENCE[depth])) for depth in DEPTHS},
@@ -312,7 +312,7 @@ COMPARED = {
 CHANCE = "not judged: chance of where steps end, its median is"
 
 
-def accuracy_rows(depth: int, found: Findings) -> list[Row]:
+def accuracy_rows(depth: int, found: ModelComparison) -> list[Row]:
     """Return the rows of the default, in tolerances: peaks, and all states at the worst instant."""
     one, source = found.accuracies[depth][DEFAULT_TOLERANCE], f"RODAS5P {REFERENCE[depth]:g}"
     forces = difference(found.peaks[depth][STRONG], found.exact_peaks[depth])
@@ -341,7 +341,7 @@ def accuracy_rows(depth: int, found: Findings) -> list[Row]:
     ]
 
 
-def step_rows(found: Findings) -> list[Row]:
+def step_rows(found: ModelComparison) -> list[Row]:
     """Return the rows that show that steps do not collapse and that the energy balance closes."""
     rows = []
     for depth, one in found.steps.items():
@@ -357,7 +357,7 @@ def step_rows(found: Findings) -> list[Row]:
     return rows
 
 
-def difference_rows(found: Findings) -> list[Row]:
+def difference_rows(found: ModelComparison) -> list[Row]:
     """Return the excess of models 1 and 3 over model 2, below and above the torque at which the flange touches."""
     rows = []
     for depth, torque, (name, (words, unit, scale)) in product((1, 3), (TORQUES[0], WEAK, STRONG), COMPARED.items()):
@@ -370,7 +370,7 @@ def difference_rows(found: Findings) -> list[Row]:
     return rows
 
 
-def cost_rows(found: Findings) -> list[Row]:
+def cost_rows(found: ModelComparison) -> list[Row]:
     """Return the rows of wall times."""
     onto = {depth: found.accuracies[depth][DEFAULT_TOLERANCE].seconds for depth in DEPTHS}
     source, asked = "measured now, least of several runs", f"to reach {COST_TO_REACH:g}"
@@ -386,7 +386,7 @@ def cost_rows(found: Findings) -> list[Row]:
     return rows
 
 
-def remarks(found: Findings) -> list[str]:
+def remarks(found: ModelComparison) -> list[str]:
     """Return the rule of selection, and the cases in which each contact model fails."""
     error, about = found.accuracies[2][DEFAULT_TOLERANCE], found.about_default[2].single
     return [
@@ -407,7 +407,7 @@ def remarks(found: Findings) -> list[str]:
 # ---- the figure ----------------------------------------------------------------------------------------------------
 
 
-def draw(found: Findings) -> Figure:
+def draw(found: ModelComparison) -> Figure:
     figure, grid = plt.subplots(3, 2, figsize=(10.5, 10.5))
     for axis, name in zip(grid[0], ("lateral_1", "flange_force_1"), strict=True):
         draw_history(axis, found, name)
@@ -419,7 +419,7 @@ def draw(found: Findings) -> Figure:
     return titled(figure, f"At {torque} yaw torque model 1 shifts {one_word(f'{further:.0f} %')} further than model 2")
 
 
-def draw_history(axis: Axes, found: Findings, name: str) -> None:
+def draw_history(axis: Axes, found: ModelComparison, name: str) -> None:
     words, unit, scale = COMPARED[name]
     for depth, series in found.histories.items():
         values = scale * np.abs(series[name])
@@ -428,7 +428,7 @@ def draw_history(axis: Axes, found: Findings, name: str) -> None:
     axis.legend()
 
 
-def draw_difference(axis: Axes, found: Findings) -> None:
+def draw_difference(axis: Axes, found: ModelComparison) -> None:
     """Draw the excess of model 1 over model 2, over the torque."""
     for (name, (words, _, _)), marker, colour in zip(COMPARED.items(), "os^", THREE, strict=True):
         # below, no flange touches
@@ -440,7 +440,7 @@ def draw_difference(axis: Axes, found: Findings) -> None:
     axis.legend()
 
 
-def draw_steps(axis: Axes, found: Findings) -> None:
+def draw_steps(axis: Axes, found: ModelComparison) -> None:
     """Draw the steps over the last millimetres; dotted: a share of the fastest vibration's period."""
     for depth, one in found.steps.items():
         near = one.shift > NEAR_FLANGE
@@ -457,7 +457,7 @@ def draw_steps(axis: Axes, found: Findings) -> None:
     axis.set_xlabel("lateral shift of the leading wheelset [mm]")
 
 
-def draw_cost(axis: Axes, found: Findings) -> None:
+def draw_cost(axis: Axes, found: ModelComparison) -> None:
     """Draw error against cost: all states, and peak quantities."""
     kinds = {"norm": ("o", "all states"), "read_off": ("s", "peak shift and distance")}
     for depth, by_tolerance in found.accuracies.items():
@@ -476,7 +476,7 @@ def draw_cost(axis: Axes, found: Findings) -> None:
     axis.legend(fontsize=6, loc="center", bbox_to_anchor=(0.53, 0.5))
 
 
-def draw_course(axis: Axes, found: Findings) -> None:
+def draw_course(axis: Axes, found: ModelComparison) -> None:
     """Draw the error over time at the default tolerance."""
     for depth, by_tolerance in found.accuracies.items():
         course = by_tolerance[DEFAULT_TOLERANCE].course / DEFAULT_TOLERANCE

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from bogie_braking.reporting.report import Row
+from bogie_braking.reporting.timing import least
 from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from fmu_src.kernel import Kernel, Library
@@ -42,13 +43,13 @@ def kernel_seconds(library: Library) -> float:
     """Return the time of the steps alone, called in C [s]."""
     kernel = Kernel(library, **SCENE)
     kernel.initialise()
-    start, best = kernel.save(), float("inf")
-    for _ in range(RUNS):
+    start = kernel.save()
+
+    def steps() -> None:
         kernel.restore(start)
-        begin = time.perf_counter()
         kernel.repeat_step(STEP, STEPS)
-        best = min(best, time.perf_counter() - begin)
-    return best
+
+    return least(steps, RUNS)
 
 
 def face_seconds(bogie: FmuInstance, make_steps: Callable[..., int]) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Protected stops a minute on the test rig, by the form of the controller, for the rows of `speed`."""
+"""Protected stops a minute by the form of the controller, and control steps a second of learning environments."""
 
 from __future__ import annotations
 
@@ -11,8 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bogie_braking.reporting.report import Row
+from bogie_braking.reporting.timing import least
 from products.machine import bogie
 from products.protection.controller_kinds import Arrays, Form, compiled
+from products.protection.draws import drawn_run
+from products.protection.environment import Environment
 from products.protection.rig import Rig
 from products.protection.settings import Settings
 from products.study.points import process_pool
@@ -22,6 +25,9 @@ from rbd_model.track.friction import low
 SHARE = 0.8
 #: Number of measured stops by form, that of a quick run, and target of stops a minute.
 QUICK, COUNTED = 4, {"C": (512, 1e4), "arrays": (1024, 1e4), "class, two processes": (32, 1500.0)}
+#: Rows, measured turns, those of a quick run, and the target of steps a second. Single environments of electric motors
+#: make 1100 to 3100 steps a second (gym-electric-motor, published).
+MEASURED = {"one row": (1, 4000, 100, 2e4), "1024 rows": (1024, 500, 100, 1e6)}
 #: Range of the frictions, so that no two stops are the same.
 SPREAD = 0.01
 #: Length of a fixed step [s], that of a period.
@@ -111,3 +117,30 @@ def protected_rows(quick: bool = False) -> list[Row]:
         *rows,
         Row("protected stops with steps of 5 ms: off those by the error", "m", None, float(off), None, source),
     ]
+
+
+def steps_a_second(rows: int, turns: int, repeats: int) -> float:
+    """Return the largest of several rates [1/s], with observations, rewards and an array controller in NumPy."""
+    own = Environment(bogie(), Settings(), rows, drawn_run)
+    own.begin(range(rows), [np.random.default_rng(row) for row in range(rows)])
+
+    def turns_of_all() -> None:
+        for _ in range(turns):
+            speeds = own.observation[:, :2]
+            own.turn(np.where(speeds < SHARE * speeds.max(axis=1, keepdims=True), 2, 0))
+
+    seconds = least(turns_of_all, repeats)
+    own.close()
+    return rows * turns / seconds
+
+
+def environment_rows(quick: bool = False) -> list[Row]:
+    """Return the rows of a single environment and a vector of them, without Gymnasium's own part, some microseconds a
+    step.
+    """
+    rows = []
+    for name, (count, many, few, wanted) in MEASURED.items():
+        what = f"environment for learning, planar bogie, steps of 5 ms a second: {name}"
+        rate = steps_a_second(count, few, 1) if quick else steps_a_second(count, many, 5)
+        rows.append(Row(what, "1/s", None, rate, None, f"measured now; to reach {wanted:g}"))
+    return rows

@@ -13,7 +13,7 @@ from products.kernel_runs import system_of
 
 
 @dataclass(frozen=True)
-class Run:
+class SceneRun:
     """Results of a run: samples of the case's states (none after a failure), wall time [s], work, reason."""
 
     samples: Samples
@@ -23,16 +23,16 @@ class Run:
     messages: tuple[str, ...] = ()
 
 
-def failed(scene: Scene, seconds: float, reason: str, kernel: Kernel | None = None) -> Run:
+def failed(scene: Scene, seconds: float, reason: str, kernel: Kernel | None = None) -> SceneRun:
     counts = kernel.counts if kernel else {}
-    return Run({}, seconds, counts, reason, tuple(kernel.messages) if kernel else ())
+    return SceneRun({}, seconds, counts, reason, tuple(kernel.messages) if kernel else ())
 
 
 #: Outputs of all levels that replace states which some levels lack.
 AT_AXLES = {"frame_distance": "distance", "frame_speed": "speed"}
 
 
-def own(scene: Scene, at_axles: bool = False, **values: float) -> Run:
+def own(scene: Scene, at_axles: bool = False, **values: float) -> SceneRun:
     """Run the kernel in long steps between the corners of the inputs."""
     kernel = scene.kernel(**values)
     names = [AT_AXLES.get(name, name) if at_axles else f"state_{name}" for name in scene.read]
@@ -49,7 +49,7 @@ def own(scene: Scene, at_axles: bool = False, **values: float) -> Run:
     return finish(scene, np.array(rows), seconds, kernel.counts, kernel)
 
 
-def finish(scene: Scene, rows: np.ndarray, seconds: float, work: Mapping[str, int], kernel: Kernel) -> Run:
+def finish(scene: Scene, rows: np.ndarray, seconds: float, work: Mapping[str, int], kernel: Kernel) -> SceneRun:
     """Return a run from rows of the case's states; a failure if some are missing or not finite."""
     times = scene.times()
     if kernel.ended or len(rows) < times.size:
@@ -59,7 +59,7 @@ def finish(scene: Scene, rows: np.ndarray, seconds: float, work: Mapping[str, in
     if not np.isfinite(rows).all():
         return failed(scene, seconds, "the result is not finite", kernel)
     samples = {"time": times} | dict(zip(scene.read, rows.T, strict=True))
-    return Run(samples, seconds, work, messages=tuple(kernel.messages))
+    return SceneRun(samples, seconds, work, messages=tuple(kernel.messages))
 
 
 @dataclass(frozen=True)

@@ -180,7 +180,7 @@ def error(stops: Sequence[Answers], spatial: Sequence[Answers], question: str) -
 
 
 @dataclass(frozen=True)
-class Findings:
+class LevelComparison:
     """All measurements. `cone`: planar stops with the friction that gives the adhesion limit of the cone.
 
     boundaries: of the leading and the trailing wheelset; costs: seconds by level and utilisation.
@@ -203,7 +203,7 @@ class Findings:
         return limit
 
 
-def measure(repeats: int = REPEATS) -> Findings:
+def measure(repeats: int = REPEATS) -> LevelComparison:
     stops = sweep(UTILISATIONS)
     friction = FRICTION * adhesion_of_the_cone()
     cone = [stop(start(2, friction=friction), utilisation) for utilisation in UTILISATIONS]
@@ -212,7 +212,7 @@ def measure(repeats: int = REPEATS) -> Findings:
         name: {utilisation: cost(level, utilisation, repeats) for utilisation in COSTED}
         for level, name in LEVELS.items()
     }
-    return Findings(stops, cone, boundaries, costs)
+    return LevelComparison(stops, cone, boundaries, costs)
 
 
 def run(options: Options, quick: bool = False) -> Report:
@@ -232,7 +232,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, series, lambda: draw(found), parameters, seconds, remarks(found))
 
 
-def boundary_rows(found: Findings) -> list[Row]:
+def boundary_rows(found: LevelComparison) -> list[Row]:
     """Return the least utilisation that locks each wheelset."""
     rows = []
     for name, limits in found.boundaries.items():
@@ -250,7 +250,7 @@ def boundary_rows(found: Findings) -> list[Row]:
     return rows
 
 
-def error_rows(found: Findings) -> list[Row]:
+def error_rows(found: LevelComparison) -> list[Row]:
     """Return the largest differences from the spatial level."""
     point, planar = found.stops["point"], found.stops["planar"]
     lowest = found.trailing_boundary("planar")
@@ -281,7 +281,7 @@ def error_rows(found: Findings) -> list[Row]:
     return rows
 
 
-def cost_rows(found: Findings) -> list[Row]:
+def cost_rows(found: LevelComparison) -> list[Row]:
     rows = []
     for name, costs in found.costs.items():
         for utilisation, seconds in costs.items():
@@ -291,7 +291,7 @@ def cost_rows(found: Findings) -> list[Row]:
     return rows
 
 
-def remarks(found: Findings) -> list[str]:
+def remarks(found: LevelComparison) -> list[str]:
     """Return the conclusions of the figure."""
     limit = {name: found.trailing_boundary(name) for name in LEVELS.values()}
     point, planar = found.stops["point"], found.stops["planar"]
@@ -312,7 +312,7 @@ def remarks(found: Findings) -> list[str]:
     ]
 
 
-def draw(found: Findings) -> Figure:
+def draw(found: LevelComparison) -> Figure:
     figure, grid = plt.subplots(3, 2, figsize=(10.0, 9.6))
     axes = list(grid.ravel())
     draw_lock_times(axes[0], found)
@@ -331,7 +331,7 @@ def draw(found: Findings) -> Figure:
     return titled(figure, f"Where wheelsets lock, point errs by {point:.0f} m, planar by {planar:.2f} m")
 
 
-def draw_lock_times(axis: Axes, found: Findings) -> None:
+def draw_lock_times(axis: Axes, found: LevelComparison) -> None:
     """Draw the lock times; spatial is the broad line below planar."""
     for name in ("spatial", "planar", "point"):
         label = f"{name}, both" if name == "point" else f"{name}, trailing"
@@ -340,7 +340,7 @@ def draw_lock_times(axis: Axes, found: Findings) -> None:
     axis.legend(loc="lower left")
 
 
-def draw_errors(axis: Axes, found: Findings, question: str, bound: float | None) -> None:
+def draw_errors(axis: Axes, found: LevelComparison, question: str, bound: float | None) -> None:
     """Draw the differences of point and planar from spatial, and the limit of planar."""
     words, unit = ERRORS[question]
     for name in ("point", "planar"):
@@ -354,7 +354,7 @@ def draw_errors(axis: Axes, found: Findings, question: str, bound: float | None)
         axis.annotate(f"{bound} {unit}", (min(UTILISATIONS), bound), xytext=(0, 3), textcoords="offset points")
 
 
-def draw_costs(axis: Axes, found: Findings) -> None:
+def draw_costs(axis: Axes, found: LevelComparison) -> None:
     """Draw bars, one for each stop."""
     bars = [(name, *item) for name, costs in found.costs.items() for item in costs.items()]
     for place, (name, utilisation, seconds) in enumerate(bars):

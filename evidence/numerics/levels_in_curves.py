@@ -104,7 +104,7 @@ def brake(kernel: Kernel, radius: float, utilisation: float) -> float:
 
 
 @dataclass(frozen=True)
-class Findings:
+class CurveComparison:
     """Shares of the weight by radius: von Roeckl's, the point level's, the spatial level's by friction; stopping
     distances [m] by model and utilisation, for each radius; wall time of a stop by level [s].
     """
@@ -134,7 +134,7 @@ class Findings:
         return RADII[last] + share * (RADII[last + 1] - RADII[last])
 
 
-def measure(repeats: int) -> Findings:
+def measure(repeats: int) -> CurveComparison:
     roeckl = np.array([float(curve_share(ca.SX(1 / radius))) for radius in RADII])
     point = np.array([resistance(radius, 1, 1.0) for radius in RADII])
     cases = counting(list(product(FRICTIONS, RADII)), "rolling")
@@ -147,7 +147,7 @@ def measure(repeats: int) -> Findings:
     straight = resistance(math.inf, 3, 0.0)
     spatial = dict(zip(FRICTIONS, losses, strict=True))
     costs = {name: cost(level, repeats) for level, name in LEVELS.items()}
-    return Findings(roeckl, point, spatial, straight, stops, costs)
+    return CurveComparison(roeckl, point, spatial, straight, stops, costs)
 
 
 def cost(level: int, repeats: int) -> float:
@@ -174,7 +174,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, series, lambda: draw(found), parameters, 0.0, remarks(found))
 
 
-def checks(found: Findings) -> list[Row]:
+def checks(found: CurveComparison) -> list[Row]:
     """Return the rows of resistances with closed forms."""
     off = float(np.max(np.abs(found.point / found.roeckl - 1.0)))
     source = "von Roeckl (1880): 0.650 / (R - 55 m), 0.500 / (R - 30 m) below 300 m"
@@ -186,7 +186,7 @@ def checks(found: Findings) -> list[Row]:
     ]
 
 
-def loss_rows(found: Findings) -> list[Row]:
+def loss_rows(found: CurveComparison) -> list[Row]:
     rows = []
     for radius in SHOWN:
         at = RADII.index(radius)
@@ -199,7 +199,7 @@ def loss_rows(found: Findings) -> list[Row]:
     return rows
 
 
-def stop_rows(found: Findings) -> list[Row]:
+def stop_rows(found: CurveComparison) -> list[Row]:
     rows = []
     for utilisation, model, radius in product(UTILISATIONS, ("point", "point without the term"), SHOWN):
         at = RADII.index(radius)
@@ -216,7 +216,7 @@ def stop_rows(found: Findings) -> list[Row]:
     ]
 
 
-def cost_rows(found: Findings) -> list[Row]:
+def cost_rows(found: CurveComparison) -> list[Row]:
     point = found.costs["point"]
     what, source = (
         f"cost of a stop at R = {COSTED:g} m over that of the point level",
@@ -228,7 +228,7 @@ def cost_rows(found: Findings) -> list[Row]:
     ]
 
 
-def remarks(found: Findings) -> list[str]:
+def remarks(found: CurveComparison) -> list[str]:
     """Return the rule in words."""
     service = UTILISATIONS[1]
     with_term, without = (100 * found.share(model, service) for model in ("point", "point without the term"))
@@ -247,7 +247,7 @@ def remarks(found: Findings) -> list[str]:
     ]
 
 
-def draw(found: Findings) -> Figure:
+def draw(found: CurveComparison) -> Figure:
     figure, ((loss, relative), (metres, bars)) = plt.subplots(2, 2, figsize=(10.5, 7.6))
     loss.loglog(RADII, 1e3 * found.roeckl, color=GREY, label="von Roeckl")
     for (friction, shares), colour in zip(found.spatial.items(), THREE, strict=True):
@@ -272,7 +272,7 @@ def draw(found: Findings) -> Figure:
     return titled(figure, message.format(*errors))
 
 
-def draw_errors(relative: Axes, metres: Axes, found: Findings) -> None:
+def draw_errors(relative: Axes, metres: Axes, found: CurveComparison) -> None:
     """Draw the errors of the stops at the point level, with von Roeckl's term and without it."""
     models = {"with": ("point", LEADING), "without": ("point without the term", TRAILING)}
     for (word, (model, colour)), utilisation in product(models.items(), UTILISATIONS):
@@ -282,7 +282,7 @@ def draw_errors(relative: Axes, metres: Axes, found: Findings) -> None:
         metres.semilogx(RADII, found.error(model, utilisation), style, **look)
 
 
-def draw_costs(axis: Axes, found: Findings) -> None:
+def draw_costs(axis: Axes, found: CurveComparison) -> None:
     """Draw the costs as ratios to the point level."""
     ratios = {name: seconds / found.costs["point"] for name, seconds in found.costs.items()}
     for place, (name, colour) in enumerate(zip(ratios, THREE, strict=True)):

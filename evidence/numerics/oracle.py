@@ -29,7 +29,7 @@ QUICK = 0.1
 
 
 @dataclass(frozen=True)
-class Scene:
+class ComparedRun:
     """One comparison: the FMU and its number of wheelsets, start, track, constant inputs, and compared quantities."""
 
     name: str
@@ -42,7 +42,7 @@ class Scene:
 
 
 SCENES = (
-    Scene(
+    ComparedRun(
         "one wheelset hunting at 15 m/s",
         "wheelset",
         1,
@@ -51,7 +51,7 @@ SCENES = (
         (("lateral_irregularity", 2e-3), ("lateral_wave_number", 0.2), ("irregularity_start", 1.0)),
         (0.0, 0.0),
     ),
-    Scene(
+    ComparedRun(
         "bogie braked with 20 kN.m over a lateral wave",
         "bogie",
         2,
@@ -60,7 +60,7 @@ SCENES = (
         (("lateral_irregularity", 0.012), ("lateral_wave_number", 0.08), ("irregularity_start", 2.0)),
         (20e3, 20e3),
     ),
-    Scene(
+    ComparedRun(
         "leading wheelset braked with 60 kN.m: skid",
         "bogie",
         2,
@@ -86,14 +86,14 @@ class Outcome:
         return float(np.abs(self.fast[name] - self.printed[name]).max())
 
 
-def by_kernel(scene: Scene) -> Recording:
+def by_kernel(scene: ComparedRun) -> Recording:
     inputs = {f"brake_torque_{n}": [(0.0, scene.brake_torque[n - 1])] for n in range(1, scene.wheelsets + 1)}
     values = in_space(scene.fmu) | dict(scene.track) | AS_PRINTED
     kernel = prepare(scene.fmu, initial_speed=scene.speed, tolerance=TOLERANCE, **values)
     return play(scene.fmu, kernel, scene.duration, INTERVAL, RECORDED, inputs)
 
 
-def by_chapter_3(scene: Scene) -> Recording:
+def by_chapter_3(scene: ComparedRun) -> Recording:
     """Run the oracle with exact contact ellipses and Kalker's table; lateral displacements from the track's centre."""
     parameters = as_printed(tables_4_1_and_4_2() if scene.wheelsets == 1 else tables_5_1_and_5_2())
     track = derivatives_along(replace(section_5_3(), **dict(scene.track)))
@@ -116,13 +116,13 @@ def by_chapter_3(scene: Scene) -> Recording:
     return Recording({"time": "s", "lateral_1": "m", "speed": "m/s", "angular_velocity_1": "rad/s"}, rows)
 
 
-def timed(work: Callable[[Scene], Recording], scene: Scene) -> tuple[Recording, float]:
+def timed(work: Callable[[ComparedRun], Recording], scene: ComparedRun) -> tuple[Recording, float]:
     begin = time.perf_counter()
     found = work(scene)
     return found, time.perf_counter() - begin
 
 
-def compare(scene: Scene) -> Outcome:
+def compare(scene: ComparedRun) -> Outcome:
     by_kernel(scene)  # compiles and warms up
     fast, fast_seconds = timed(by_kernel, scene)
     printed, printed_seconds = timed(by_chapter_3, scene)
@@ -163,7 +163,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, series, lambda: draw(outcomes), {"step": STEP, "tolerance": TOLERANCE}, seconds, [remark])
 
 
-def draw(outcomes: dict[Scene, Outcome]) -> Figure:
+def draw(outcomes: dict[ComparedRun, Outcome]) -> Figure:
     figure, grid = plt.subplots(3, len(outcomes), sharex="col", figsize=(13.0, 8.0))
     for column, (scene, outcome) in enumerate(outcomes.items()):
         upper, middle, lower = grid[:, column]

@@ -27,7 +27,7 @@ from scenarios.bench.asymmetric_shoes import (
     DERAILED_AT,
     LOADS,
     ON_PATCHES,
-    Case,
+    ShoeCase,
     brake,
 )
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue
@@ -91,7 +91,7 @@ def wheel_load(**values: float) -> float:
 @lru_cache
 def stop_on_patches(damping: float) -> tuple[float, float]:
     """Return speed at derailment [m/s], as `derailment_speed`, and largest wheel load [kN] at contact model 2."""
-    case = Case(1, 75, 1.0, ON_PATCHES[AS_THESIS])
+    case = ShoeCase(1, 75, 1.0, ON_PATCHES[AS_THESIS])
     kernel, series = brake(case, 20.0, contact_damping=damping, tolerance=TOLERANCE)
     load = max(float(series[name].max()) for name in LOADS)
     return kernel["speed"] if kernel["derailed"] else 0.0, 1e-3 * load

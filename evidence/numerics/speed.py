@@ -15,8 +15,7 @@ from bogie_braking.reporting.report import Report, Row, measured
 from bogie_braking.reporting.scenario import Options, Scenario
 from bogie_braking.reporting.timing import LEVELS, REPEATS, least
 from evidence.measuring import fmi_overhead, throughput, train_pace
-from evidence.measuring.environment_throughput import environment_rows
-from evidence.measuring.protected_throughput import protected_rows
+from evidence.measuring.protected_throughput import environment_rows, protected_rows
 from evidence.measuring.supervision_throughput import supervision_rows
 from evidence.measuring.train_pace import train_rows
 from fmu_src.compile import compiler

@@ -23,7 +23,7 @@ from fmu_src.kernel import Kernel
 from products.kernel_runs import PADDING, RIGID, in_space, library
 from rbd_model.vehicle.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench import asymmetric_shoes, hunting_wheelset, irregularities
-from scenarios.bench.asymmetric_shoes import APPLICATION_TIMES, AS_THESIS, PEAKS, Case
+from scenarios.bench.asymmetric_shoes import APPLICATION_TIMES, AS_THESIS, PEAKS, ShoeCase
 from scenarios.bench.irregularities import CROSS_LEVEL, HUNTING_PEAK, LATERAL, LATERAL_PEAK, WHEEL_LOAD
 
 #: Steps of the explicit method [s], and the one that is examined in detail.
@@ -70,7 +70,7 @@ class Printed:
 
 
 @dataclass(frozen=True)
-class Found:
+class StepResult:
     """Results of one run: its numbers, whether the log reports a step above the limit, and the simulated time [s]."""
 
     values: tuple[float, ...]
@@ -79,7 +79,7 @@ class Found:
 
 
 @dataclass(frozen=True)
-class Run:
+class PrintedRun:
     """One case: its input, its initial speed [m/s], the reported numbers, and the function that measures them."""
 
     fmu: str
@@ -87,10 +87,10 @@ class Run:
     printed: tuple[Printed, ...]
     measure: Callable[[Mapping[str, float]], tuple[Kernel, tuple[float, ...]]]
 
-    def found(self, step: float | None) -> Found:
+    def found(self, step: float | None) -> StepResult:
         kernel, values = self.measure(method(step))
         warned = any("above its stability limit" in line for line in kernel.messages)
-        return Found(values, warned, kernel.time)
+        return StepResult(values, warned, kernel.time)
 
     def limit(self) -> float:
         """Return the largest stable step of the explicit method at the initial speed [s]."""
@@ -129,53 +129,53 @@ def shift_between(series: Recording, fastest: float, slowest: float) -> tuple[fl
     return tuple(1e3 * float(np.abs(series[f"lateral_{n}"][chosen]).max()) for n in (1, 2))
 
 
-def seconds_down_to(case: Case, speed: float) -> float:
+def seconds_down_to(case: ShoeCase, speed: float) -> float:
     """Return the time at which the accurate stop has slowed to a speed [s]."""
     _, series = asymmetric_shoes.brake(case, STOP, **method(None))
     return float(series["time"][series["speed"] > speed][-1])
 
 
-def shoes(case: Case, values: Mapping[str, float]) -> tuple[Kernel, tuple[float, ...]]:
+def shoes(case: ShoeCase, values: Mapping[str, float]) -> tuple[Kernel, tuple[float, ...]]:
     """Return the largest shift of both wheelsets [mm] down to the speed of the cut."""
     kernel, series = asymmetric_shoes.brake(case, seconds_down_to(case, CUT), **values)
     return kernel, shift_between(series, np.inf, CUT)
 
 
-def below_the_cut(case: Case, step: float | None) -> float:
+def below_the_cut(case: ShoeCase, step: float | None) -> float:
     """Return the largest shift of the leading wheelset [mm] below the speed of the cut."""
     _, series = asymmetric_shoes.brake(case, seconds_down_to(case, BELOW), **method(step))
     return shift_between(series, CUT, BELOW)[0]
 
 
-def of_shoes(wheelset: int, error: int) -> Run:
-    case = Case(wheelset, error, 1.0, AS_THESIS)
+def of_shoes(wheelset: int, error: int) -> PrintedRun:
+    case = ShoeCase(wheelset, error, 1.0, AS_THESIS)
     peaks = PEAKS[wheelset, error][APPLICATION_TIMES.index(case.application)]
     braked, source = {1: "leading", 2: "trailing"}[wheelset], f"Table 9.{wheelset + 1}"
     printed = [
         Printed(f"shoes of the {braked} wheelset, {error} %: peak shift of the {place} one", "mm", peak, source)
         for place, peak in zip(("leading", "trailing"), peaks, strict=True)
     ]
-    return Run("bogie", asymmetric_shoes.SPEED, tuple(printed), partial(shoes, case))
+    return PrintedRun("bogie", asymmetric_shoes.SPEED, tuple(printed), partial(shoes, case))
 
 
-def of_hunting(speed: float, quantity: str, unit: str, both: tuple[float, float], band: float) -> Run:
+def of_hunting(speed: float, quantity: str, unit: str, both: tuple[float, float], band: float) -> PrintedRun:
     printed = Printed(f"wheelset, {speed:g} m/s: {quantity}", unit, both[0], "section 4.4", both[1], band)
-    return Run("wheelset", speed, (printed,), partial(hunting, speed))
+    return PrintedRun("wheelset", speed, (printed,), partial(hunting, speed))
 
 
-def of_lateral(speed: float) -> Run:
+def of_lateral(speed: float) -> PrintedRun:
     source, name = "section 5.3.1", f"lateral wave, {speed:g} m/s"
     thesis, vampire = HUNTING_PEAK[speed]
     printed = [Printed(f"{name}: spectral peak of the hunting", "Hz", thesis, source, vampire)]
     if speed == 15.0:
         printed.append(Printed(f"{name}: largest shift", "mm", LATERAL_PEAK[0], source, LATERAL_PEAK[1]))
-    return Run("bogie", speed, tuple(printed), partial(lateral, speed))
+    return PrintedRun("bogie", speed, tuple(printed), partial(lateral, speed))
 
 
-def of_cross_level(speed: float) -> Run:
+def of_cross_level(speed: float) -> PrintedRun:
     thesis, vampire = WHEEL_LOAD[speed]
     printed = Printed(f"cross level, {speed:g} m/s: largest wheel load", "kN", thesis, "section 5.3.3", vampire)
-    return Run("bogie", speed, (printed,), partial(cross_level, speed))
+    return PrintedRun("bogie", speed, (printed,), partial(cross_level, speed))
 
 
 #: Cases by braked wheelset and error of the shoe forces [%].
@@ -190,10 +190,10 @@ RUNS = (
 )
 
 #: Results by run and step, None for the accurate solution.
-Study = dict[tuple[Run, float | None], Found]
+Study = dict[tuple[PrintedRun, float | None], StepResult]
 
 
-def study(runs: Sequence[Run] = RUNS, steps: Sequence[float] = STEPS) -> Study:
+def study(runs: Sequence[PrintedRun] = RUNS, steps: Sequence[float] = STEPS) -> Study:
     """Return runs with all steps; they share the compiled libraries and run in parallel."""
     for name in ("bogie", "wheelset"):
         library(name, **in_space(name))  # compiled once, before the threads load them
@@ -211,7 +211,7 @@ def words_of(step: float | None) -> str:
     return "accurate" if step is None else f"step {1e3 * step:g} ms"
 
 
-def runs_of(found: Study) -> list[Run]:
+def runs_of(found: Study) -> list[PrintedRun]:
     return list(dict.fromkeys(run for run, _ in found))
 
 
@@ -220,7 +220,7 @@ def steps_of(found: Study) -> list[float | None]:
     return list(dict.fromkeys(step for _, step in found))
 
 
-def numbers(found: Study) -> list[tuple[Run, int, Printed]]:
+def numbers(found: Study) -> list[tuple[PrintedRun, int, Printed]]:
     """Return every reported number with its run and its place there."""
     return [(run, place, printed) for run in runs_of(found) for place, printed in enumerate(run.printed)]
 
@@ -258,7 +258,7 @@ def limit_rows(found: Study) -> list[Row]:
 
 def rows_below() -> list[Row]:
     """Return the first case of chapter 9 below the cut."""
-    case, words = Case(1, 25, 1.0, AS_THESIS), "shoes of the leading wheelset, 25 %: its shift"
+    case, words = ShoeCase(1, 25, 1.0, AS_THESIS), "shoes of the leading wheelset, 25 %: its shift"
     span = f"from {CUT:g} to {BELOW:g} m/s"
     return [
         measured(f"{words} {span}, {words_of(step)}", "mm", below_the_cut(case, step), "below the cut")
@@ -348,7 +348,7 @@ def draw(found: Study) -> Figure:
     )
 
 
-def panel(axis: Axes, run: Run, printed: Printed, values: Mapping[float | None, float]) -> None:
+def panel(axis: Axes, run: PrintedRun, printed: Printed, values: Mapping[float | None, float]) -> None:
     steps = [step for step in values if step is not None]
     axis.plot([1e3 * step for step in steps], [values[step] for step in steps], "o-", color=TRAILING, label="RK4")
     axis.axhline(values[None], color=LEADING, label="accurate")

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bogie_braking.reporting.progress import counting
-from evidence.measuring.runs import Run, layout_of
+from evidence.measuring.runs import SceneRun, layout_of
 from evidence.measuring.scenes import SMOOTH, Samples, Scene, both
 from evidence.peers import sundials
 from evidence.peers.scipy_methods import scipy
@@ -171,12 +171,12 @@ def fastest_of(run: Distances, rounds: int) -> tuple[float, np.ndarray]:
     return found.size / best, found
 
 
-def of_scipy(level: str, method: str, tolerance: float, torque: float) -> Run:
+def of_scipy(level: str, method: str, tolerance: float, torque: float) -> SceneRun:
     """Run one stop in a process."""
     return scipy(stop(level, torque), method, tolerance, BUDGET)
 
 
-def of_cvode(level: str, tolerance: float, torque: float) -> Run:
+def of_cvode(level: str, tolerance: float, torque: float) -> SceneRun:
     """Run one stop in a thread; the library releases Python's lock."""
     return sundials.sundials(stop(level, torque), "CVODE", tolerance, BUDGET)
 
@@ -233,7 +233,13 @@ def others(
 
 
 def rate_of(
-    level: str, way: str, setting: float, exact: np.ndarray, pool: Executor, work: Callable[[float], Run], count: int
+    level: str,
+    way: str,
+    setting: float,
+    exact: np.ndarray,
+    pool: Executor,
+    work: Callable[[float], SceneRun],
+    count: int,
 ) -> Rate:
     """Run the evaluated stops repeatedly, `count` at least, by a pool of workers."""
     torques = np.tile(np.linspace(*TORQUES, exact.size), -(-count // exact.size))

@@ -8,7 +8,7 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Model
 from fmpy.simulation import instantiate_fmu
 
-from evidence.measuring.runs import Run
+from evidence.measuring.runs import SceneRun
 from evidence.measuring.scenes import LOCK_UP, SMOOTH, Scene
 from evidence.peers.scipy_methods import BUDGET
 from products.building import up_to_date
@@ -35,13 +35,13 @@ def drive(fmu: FMU2Model, histories: Mapping[int, History]) -> dict[str, int]:
     return work
 
 
-def exchange(scene: Scene, tolerance: float) -> Run:
+def exchange(scene: Scene, tolerance: float) -> SceneRun:
     """Run a case through FMPy's CVODE with this relative tolerance, in nominal values absolute."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # Windows removes no loaded library
         return _exchanged(scene, tolerance, folder)
 
 
-def _exchanged(scene: Scene, tolerance: float, folder: str) -> Run:
+def _exchanged(scene: Scene, tolerance: float, folder: str) -> SceneRun:
     """Run the case; folder: into which the FMU is unpacked."""
     path = up_to_date(scene.fmu, "native")
     about, _ = read_model_description(str(path)), extract(str(path), folder)
@@ -69,4 +69,4 @@ def _exchanged(scene: Scene, tolerance: float, folder: str) -> Run:
     seconds = clock.perf_counter() - begin
     fmu.freeInstance()
     samples = {} if failure else {"time": table["time"]} | {name: table[f"state_{name}"] for name in scene.read}
-    return Run(samples, seconds, work, failure)
+    return SceneRun(samples, seconds, work, failure)

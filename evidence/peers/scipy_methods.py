@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import BDF, LSODA, RK45, OdeSolver, Radau
 
-from evidence.measuring.runs import Run, failed, finish, layout_of
+from evidence.measuring.runs import SceneRun, failed, finish, layout_of
 from evidence.measuring.scenes import Scene
 from fmu_src.kernel import Kernel, SimulationError
 
@@ -65,7 +65,7 @@ class _Equations:
         return self.kernel.margin_at(time, y.tolist()) < 0.0
 
 
-def scipy(scene: Scene, method: str, tolerance: float, budget: float = BUDGET) -> Run:
+def scipy(scene: Scene, method: str, tolerance: float, budget: float = BUDGET) -> SceneRun:
     """Run SciPy's integrators between corners and switches.
 
     Takes budget [s].

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from evidence.measuring.runs import Run, failed, finish, layout_of
+from evidence.measuring.runs import SceneRun, failed, finish, layout_of
 from evidence.measuring.scenes import SMOOTH, Scene
 from evidence.peers.scipy_methods import BUDGET
 from fmu_src import compile as compiling
@@ -147,7 +147,7 @@ class Integrator:
         self._close(ctypes.byref(self.session))
 
 
-def sundials(scene: Scene, method: str, tolerance: float, budget: float = BUDGET / 2) -> Run:
+def sundials(scene: Scene, method: str, tolerance: float, budget: float = BUDGET / 2) -> SceneRun:
     """Run CVODE or IDA through a case, restarted at each corner of the inputs and each switch.
 
     Takes budget [s].

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import ctypes
 import math
-import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import odeint
 
+from bogie_braking.reporting.timing import least
 from evidence.peers import sundials
 from fmu_src.compile import loaded, plain_library
 from products.train.consist import Consist, block_train
@@ -92,7 +92,7 @@ def rates(coupler: Coupler, way: Matrix, rest: Matrix, rate: Matrix) -> tuple[Ma
 
 
 @dataclass(frozen=True)
-class Found:
+class CouplerRun:
     """Results of a run: largest compression [N], distance of the head [m], evaluations, solves; reason of a failure."""
 
     compression: float
@@ -142,7 +142,7 @@ class BrakedTrain:
 
     # ---- our own steps -----------------------------------------------------------------------------------------------
 
-    def explicit(self, share: float) -> Found:
+    def explicit(self, share: float) -> CouplerRun:
         """Run the product's motion alone, in steps of a share of the longest stable one."""
         equations, steps = self.equations(), math.ceil(self.long / (share * self.bound))
         moving = np.zeros((4, self.vehicles))
@@ -150,9 +150,9 @@ class BrakedTrain:
         given = (self._motion.ctypes.data, self._couplers.ctypes.data, moving.ctypes.data)
         if functions().equations_explicit(ctypes.byref(equations), *given, steps, self.long / steps):
             raise MemoryError("There is no memory for the motion of a train.")
-        return Found(equations.compression, float(moving[0, 0]), equations.evaluations)
+        return CouplerRun(equations.compression, float(moving[0, 0]), equations.evaluations)
 
-    def implicit(self, size: float, share: float = 1.0, held_for: int = 1) -> Found:
+    def implicit(self, size: float, share: float = 1.0, held_for: int = 1) -> CouplerRun:
         """Run linearly implicit steps [s], forces at a share of them, 1 (Euler) or 1/2; brakes are constant for several
         steps.
         """
@@ -161,9 +161,9 @@ class BrakedTrain:
         functions().equations_implicit(
             ctypes.byref(equations), state.ctypes.data, steps, self.long / steps, share, held_for
         )
-        return Found(equations.compression, float(state[0]), equations.evaluations, equations.solves)
+        return CouplerRun(equations.compression, float(state[0]), equations.evaluations, equations.solves)
 
-    def split(self, count: int) -> Found:
+    def split(self, count: int) -> CouplerRun:
         """Run Euler's implicit steps, `count` in a step of the pipe, in which brakes are constant."""
         return self.implicit(self.pipe_step / count, 1.0, count)
 
@@ -191,10 +191,10 @@ class BrakedTrain:
         ways, rests = states[:, 1:n].ravel(), states[:, 2 * n :].ravel()
         return rates(self.coupler, ways, rests, np.zeros(len(ways)))[0].reshape(len(states), n - 1)
 
-    def _seen(self, states: Matrix, evaluations: int, solves: int) -> Found:
-        return Found(-float(self.forces(states).min()), float(states[-1, 0]), evaluations, solves)
+    def _seen(self, states: Matrix, evaluations: int, solves: int) -> CouplerRun:
+        return CouplerRun(-float(self.forces(states).min()), float(states[-1, 0]), evaluations, solves)
 
-    def lsoda(self, tolerance: float) -> Found:
+    def lsoda(self, tolerance: float) -> CouplerRun:
         """Run SciPy's LSODA.
 
         A Jacobian adds an evaluation and a solution; LSODA does not report Newton's iterations.
@@ -223,7 +223,7 @@ class BrakedTrain:
             return failed(equations, told["message"])
         return self._seen(states, equations.evaluations, counts[0])
 
-    def cvode(self, tolerance: float) -> Found:
+    def cvode(self, tolerance: float) -> CouplerRun:
         """Run CVODE by scikit-SUNDAE; each evaluation is one of Newton's and brings a solution, as a Jacobian does."""
         from sksundae.cvode import CVODE
 
@@ -243,15 +243,15 @@ class BrakedTrain:
             return failed(equations, found.message)
         return self._seen(found.y, equations.evaluations, equations.evaluations)
 
-    def reference(self) -> tuple[Found, str]:
+    def reference(self) -> tuple[CouplerRun, str]:
         """Return a run by a method that is independent of the product's, and its name."""
         if sundials.is_installed():
             return self.cvode(REFERENCE), f"CVODE, tolerance {REFERENCE:g}"
         return self.implicit(FINE, 0.5), f"implicit midpoint, {1e3 * FINE:g} ms"
 
 
-def failed(equations: Equations, reason: str) -> Found:
-    return Found(math.nan, math.nan, equations.evaluations, equations.solves, reason)
+def failed(equations: Equations, reason: str) -> CouplerRun:
+    return CouplerRun(math.nan, math.nan, equations.evaluations, equations.solves, reason)
 
 
 def recorded(consist: Consist, long: float) -> tuple[Matrix, float]:
@@ -287,19 +287,9 @@ class Costs:
     evaluation: float
     solve: float
 
-    def of(self, found: Found) -> float:
+    def of(self, found: CouplerRun) -> float:
         """Return the cost of the counted work [s]."""
         return found.evaluations * self.evaluation + found.solves * self.solve
-
-
-def _fastest(work: Callable[[], object]) -> float:
-    """Return the wall time [s], the least of several."""
-    times = []
-    for _ in range(REPEATED):
-        begin = clock.perf_counter()
-        work()
-        times.append(clock.perf_counter() - begin)
-    return min(times)
 
 
 def _step_cost(consist: Consist) -> float:
@@ -307,15 +297,11 @@ def _step_cost(consist: Consist) -> float:
     spent, steps = [], []
     for share in (0.1, 0.005):
         train = Train(consist, speed=SPEED, settings=Settings(brake_model="delay", share=share))
-        spent.append(_fastest(lambda train=train: train.advance(1.0)))  # type: ignore[misc]
-        steps.append(train.steps[1] / REPEATED)
+        spent.append(least(partial(train.advance, 1.0), REPEATED))
+        steps.append(train.steps[1] / (REPEATED + 1))
     return (spent[1] - spent[0]) / (steps[1] - steps[0])
 
 
-def _solve_cost(n: int) -> float:
-    """Return the cost of one tridiagonal solution of n unknowns [s]."""
-    return _fastest(lambda: functions().equations_solutions(n, TIMED)) / TIMED
-
-
 def measured_costs(consist: Consist) -> Costs:
-    return Costs(_step_cost(consist), _solve_cost(len(consist.vehicles)))
+    solutions = partial(functions().equations_solutions, len(consist.vehicles), TIMED)
+    return Costs(_step_cost(consist), least(solutions, REPEATED) / TIMED)

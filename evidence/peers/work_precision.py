@@ -1,19 +1,26 @@
 """Runs of one case by all methods: error, wall time, right-hand sides, and the reason of a failure."""
 
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from evidence.measuring.runs import Run, own
-from evidence.measuring.scenes import LOCK_UP, SMOOTH, STANDING, Scene, difference
+from evidence.chapter3.kinematic_analysis import rolling
+from evidence.chapter3.mechanism import FIRST_WHEELSET, Inputs, Mechanism
+from evidence.chapter3.program import run as run_program
+from evidence.measuring.runs import SceneRun, own
+from evidence.measuring.scenes import FULL, LOCK_UP, SMOOTH, STANDING, Scene, difference
 from evidence.peers import sundials
 from evidence.peers.exchange import EXCHANGE, IN_THE_PLANE, LEVEL, exchange
 from evidence.peers.scipy_methods import BUDGET, scipy
+from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.building import up_to_date
+from rbd_model.contact.geometry import thesis_pair
 from rbd_model.levels.models import DEFAULT_TOLERANCE
+from rbd_model.track.irregularity import derivatives_along, section_5_3
+from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 
 #: Total time up to which runs are repeated [s]; the fastest counts. Longer ones run once.
 REPEATED, MOST_REPEATS = 0.5, 5
@@ -24,6 +31,8 @@ DEFAULT = "default: RODAS5P"
 PEERS = ("RK45 (SciPy)", "Radau (SciPy)", "BDF (SciPy)", "LSODA (SciPy)", "CVODE", "IDA")
 #: Communication steps of the FMUs [s].
 HOST_STEPS = (1e-4, 5e-4, 2.5e-3, 1e-2, 2.5e-2)
+#: Time that chapter 3 integrates, and its step [s]; Runge-Kutta is unstable above 0.8 ms at 25 m/s.
+SHOWN, STEP = 0.1, 5e-4
 OMITTED = (
     "Omitted: the FMUs beyond the smooth stop, as the kernel inside is the same; the point and the planar level, and "
     "model exchange, which is at the planar level and held against it, in scenes that leave the plane; chapter 3 as "
@@ -68,7 +77,7 @@ class Study:
         return min(good, key=lambda point: point.seconds, default=None)
 
 
-def reference_of(scene: Scene) -> tuple[Run, str]:
+def reference_of(scene: Scene) -> tuple[SceneRun, str]:
     """Return a run by a third-party method, at least 100 times tighter than the compared ones, and its name."""
     tolerance = scene.references[0]
     if sundials.is_installed():
@@ -91,7 +100,7 @@ def refer(scene: Scene) -> tuple[dict[str, float], float, tuple[str, str]]:
     return measures, difference(scene.measure(second.samples), measures), (word, f"RODAS5P {tolerance:g}")
 
 
-def repeated(work: Callable[[], Run]) -> Run:
+def repeated(work: Callable[[], SceneRun]) -> SceneRun:
     """Return the fastest of several runs, two at least: a computer may pause for seconds."""
     best = work()
     spent = best.seconds
@@ -104,7 +113,16 @@ def repeated(work: Callable[[], Run]) -> Run:
     return best
 
 
-Work = tuple[str, float, Callable[[], Run]]
+def table_of(points: Sequence[object], units: Mapping[str, str]) -> Recording:
+    """Return points as rows: their number and these attributes, NaN for None; names are in the JSON."""
+    series = Recording({"point": "1"}, [[number] for number in range(len(points))])
+    for name, unit in units.items():
+        values = [getattr(point, name) for point in points]
+        series.add(name, unit, np.array([np.nan if value is None else value for value in values], float))
+    return series
+
+
+Work = tuple[str, float, Callable[[], SceneRun]]
 
 
 def works(scene: Scene, short: bool) -> Iterator[Work]:
@@ -139,7 +157,7 @@ def works(scene: Scene, short: bool) -> Iterator[Work]:
                 yield f"{kind} FMU", step, lambda kind=kind, step=step: hosted(scene, kind, step)  # type: ignore[misc]
 
 
-def hosted(scene: Scene, kind: str, step: float) -> Run:
+def hosted(scene: Scene, kind: str, step: float) -> SceneRun:
     """Run the FMU at communication steps through fmpy; constant inputs; samples at the ends of communication steps."""
     rows, inputs = [], {name: history[0][1] for name, history in scene.inputs.items()}
     with FmuInstance(up_to_date(scene.fmu, kind), **scene.parameters) as slave:
@@ -152,10 +170,10 @@ def hosted(scene: Scene, kind: str, step: float) -> Run:
                     rows.append([number * step, *(slave[f"state_{name}"] for name in scene.read)])
                 slave.step(number * step, step)
         except CosimulationError as error:
-            return Run({}, clock.perf_counter() - begin, failure=str(error))
+            return SceneRun({}, clock.perf_counter() - begin, failure=str(error))
         rows.append([scene.duration, *(slave[f"state_{name}"] for name in scene.read)])
         seconds = clock.perf_counter() - begin
-    return Run(dict(zip(("time", *scene.read), np.array(rows).T, strict=True)), seconds)
+    return SceneRun(dict(zip(("time", *scene.read), np.array(rows).T, strict=True)), seconds)
 
 
 def in_the_plane(scene: Scene) -> dict[str, float]:
@@ -181,3 +199,21 @@ def study(scene: Scene, short: bool = False, done: Callable[[str], None] = lambd
         points.append(Point(name, setting, error, run.seconds, run.work.get("right_hand_sides", 0), reason))
         done(name)
     return Study(scene, points, uncertainty, references)
+
+
+def oracle_point() -> Point:
+    """Run chapter 3 of the thesis on the smooth stop for SHOWN; its time is extrapolated to the whole case."""
+    mechanism = Mechanism(as_printed(tables_5_1_and_5_2()), thesis_pair(), 2, derivatives_along(section_5_3()))
+    inputs, state = Inputs(brake_torque=(FULL, FULL)), rolling(mechanism, 25.0)
+    begin = clock.perf_counter()
+    *_, state = run_program(mechanism, state, SHOWN, STEP, lambda time: inputs)
+    seconds = clock.perf_counter() - begin
+    bodies = [mechanism.body(FIRST_WHEELSET + number) for number in range(2)]
+    speed = float(np.mean([state.q_rate[body][0] for body in bodies]))
+    distance = float(np.mean([state.q[body][0] for body in bodies]))
+    kernel = SMOOTH.kernel(tolerance=1e-10, **AS_PRINTED)
+    start = float(np.mean([rolling(mechanism, 25.0).q[body][0] for body in bodies]))
+    kernel.advance(SHOWN)
+    error = max(abs(speed / kernel["speed"] - 1.0), abs((distance - start) / kernel["distance"] - 1.0))
+    steps = round(SMOOTH.duration / STEP)
+    return Point("chapter 3 as printed", STEP, error, seconds * SMOOTH.duration / SHOWN, 4 * steps)

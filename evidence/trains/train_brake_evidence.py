@@ -55,7 +55,7 @@ SHORT, SHORT_MASS = 600.0, 1.5e6
 
 
 @dataclass(frozen=True)
-class Found:
+class TrainErrors:
     """Relative errors of a train: as compared first, in full service, with the chosen mechanisms [1]."""
 
     before: Numbers
@@ -78,7 +78,7 @@ def run(options: Options, quick: bool = False) -> Report:
     switches = dict(list(SWITCHES.items())[:: 5 if quick else 1])
     models = list(MODELS)[-1:] if quick else list(MODELS)
     found = {
-        name: Found(*(errors(one, told(name)) for one in (BEFORE, SERVICE, after(name))))
+        name: TrainErrors(*(errors(one, told(name)) for one in (BEFORE, SERVICE, after(name))))
         for name in counting(TRAINS, "trains", unit="train")
     }
     forms = {(name, model): fitted(told(name), model) for name in TRAINS for model in models}
@@ -99,7 +99,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, series(found), lambda: draw(found), parameters, 0.0, said(found, forms))
 
 
-def rows_of_train(name: str, one: Found) -> list[Row]:
+def rows_of_train(name: str, one: TrainErrors) -> list[Row]:
     """Return rms and largest errors of a train up to STEEPEST, and of all its stops."""
     part = "reporting" if name in REPORTING else "choosing"
     rows, bound, kept = [], None, flat(name)
@@ -185,7 +185,7 @@ def inside(table: Told, limits: tuple[Numbers, Numbers]) -> float:
     return float(np.mean(within))
 
 
-def said(found: Mapping[str, Found], forms: Mapping[tuple[str, str], tuple[RampStop, float]]) -> list[str]:
+def said(found: Mapping[str, TrainErrors], forms: Mapping[tuple[str, str], tuple[RampStop, float]]) -> list[str]:
     """Return the sentences of the summary."""
     errors_of = {
         name: [100 * rms(one[flat(name)]) for one in (found[name].service, found[name].after)] for name in REPORTING
@@ -200,7 +200,7 @@ def said(found: Mapping[str, Found], forms: Mapping[tuple[str, str], tuple[RampS
     ]
 
 
-def series(found: Mapping[str, Found]) -> Recording:
+def series(found: Mapping[str, TrainErrors]) -> Recording:
     """Return errors over speed for each train and gradient of the figure."""
     speeds = np.arange(20.0, 125.0, 5.0)
     recording = Recording({"speed": "km/h"}, speeds[:, None])
@@ -220,7 +220,7 @@ def curve(table: Told, values: Numbers, gradient: str) -> tuple[Numbers, Numbers
     return np.round(3.6 * table.speed[kept], 6), values[kept]
 
 
-def draw(found: Mapping[str, Found]) -> Figure:
+def draw(found: Mapping[str, TrainErrors]) -> Figure:
     shown = {"service": "full service", "after": "chosen"}
     titles = [f"{name}, {words}" for words in shown.values() for name in found]
     size = (13.0, 6.4)

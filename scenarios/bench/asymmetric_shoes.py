@@ -59,7 +59,7 @@ FURTHER: dict[str, Mapping[str, float]] = {
 
 
 @dataclass(frozen=True)
-class Case:
+class ShoeCase:
     """One line of the tables in one of the READINGS or of the FURTHER ones."""
 
     wheelset: int
@@ -96,18 +96,18 @@ class Outcome:
 
 
 FASTEST = min(APPLICATION_TIMES)
-CASES = [Case(*values) for values in product((1, 2), YAW_TORQUE, APPLICATION_TIMES, READINGS)]
+CASES = [ShoeCase(*values) for values in product((1, 2), YAW_TORQUE, APPLICATION_TIMES, READINGS)]
 #: The fastest application with a separate flange contact, all applications of the thesis's derailments, and the others.
 FURTHER_CASES = [
-    *(Case(*values) for values in product((1, 2), YAW_TORQUE, [FASTEST], ON_PATCHES.values())),
-    *(Case(1, 75, time, ON_PATCHES[AS_THESIS]) for time in APPLICATION_TIMES if time > FASTEST),
-    *(Case(1, error, FASTEST, AT_CENTRE) for error in YAW_TORQUE),
-    Case(1, 75, FASTEST, STIFF),
+    *(ShoeCase(*values) for values in product((1, 2), YAW_TORQUE, [FASTEST], ON_PATCHES.values())),
+    *(ShoeCase(1, 75, time, ON_PATCHES[AS_THESIS]) for time in APPLICATION_TIMES if time > FASTEST),
+    *(ShoeCase(1, error, FASTEST, AT_CENTRE) for error in YAW_TORQUE),
+    ShoeCase(1, 75, FASTEST, STIFF),
 ]
 
 
 def brake(
-    case: Case, duration: float, record: Sequence[str] = RECORDED, /, **values: float
+    case: ShoeCase, duration: float, record: Sequence[str] = RECORDED, /, **values: float
 ) -> tuple[Kernel, Recording]:
     """Run a stop from 25 m/s, with contact maintained where a wheel would lift; return the final kernel and the
     recording.
@@ -121,7 +121,7 @@ def brake(
     return kernel, play("bogie", kernel, duration, INTERVAL, record, inputs)
 
 
-def run_case(case: Case, tolerance: float = TOLERANCE) -> Outcome:
+def run_case(case: ShoeCase, tolerance: float = TOLERANCE) -> Outcome:
     """Run one stop until rest or derailment."""
     kernel, series = brake(case, DURATION, tolerance=tolerance)
     stop = series.first_time(series["speed"] < STANDING)
@@ -132,7 +132,7 @@ def run_case(case: Case, tolerance: float = TOLERANCE) -> Outcome:
     return Outcome(series, stop, derailed, (peaks[0], peaks[1]), [line for lines in first for line in lines])
 
 
-def run_all(cases: Sequence[Case] = CASES) -> dict[Case, Outcome]:
+def run_all(cases: Sequence[ShoeCase] = CASES) -> dict[ShoeCase, Outcome]:
     """Run all these cases; they share the compiled library and run in parallel."""
     bogie((), RECORDED)  # the common library is written and compiled once, before the threads load it
     with ThreadPoolExecutor() as pool:

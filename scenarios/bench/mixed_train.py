@@ -113,7 +113,7 @@ def _ends(stiffness: float) -> Matrix:
     return row
 
 
-def _held_exactly(slopes: Matrix, drive: Matrix, size: float) -> tuple[Matrix, Matrix]:
+def held_exactly(slopes: Matrix, drive: Matrix, size: float) -> tuple[Matrix, Matrix]:
     """Return the transition matrices over a time, of the state and of inputs that are constant over it (zero-order
     hold).
     """
@@ -156,7 +156,7 @@ def growth(way: str, size: float, stiffness: float, vehicle: Linear) -> float:
     Takes size [s], stiffness [N/m].
     """
     n, m = 2 * VEHICLES, len(vehicle.c)
-    own, driven = _held_exactly(vehicle.a, vehicle.b, size)
+    own, driven = held_exactly(vehicle.a, vehicle.b, size)
     chain = _chain(stiffness, led=way != "corrected")
     both = expm(size * np.block([[chain, np.zeros((n, n))], [np.eye(n), np.zeros((n, n))]]))
     train, mean = both[:n, :n], both[n:, :n] / size

@@ -10,8 +10,8 @@ from readers.tables import Column, Table, read_table
 from readers.text import BadInputError, FileError, shown
 from scenarios.benchmark.case import Case
 from scenarios.benchmark.case_file import read_case
+from scenarios.benchmark.entries import scale_of, si_unit
 from scenarios.benchmark.programs import Answers, Program
-from scenarios.benchmark.quantities import scale_of, si_unit
 
 #: Columns of a file of answers.
 COLUMNS = (

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from scenarios.benchmark.quantities import Input, scale_of
+from scenarios.benchmark.entries import Input, scale_of
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,8 @@ from readers.text import BadInputError, FileError, shown
 from readers.toml_files import toml_of
 from readers.units import factor, quantity_of
 from scenarios.benchmark.case import Case
-from scenarios.benchmark.entries import check_names, quantity_at, table_at, text_at
+from scenarios.benchmark.entries import check_names, quantity_at, si_unit, table_at, text_at
 from scenarios.benchmark.programs import Answers, CannotAnswerError, Program
-from scenarios.benchmark.quantities import si_unit
 
 #: Entries of a map, of its run, of a mapped name, and of the end of a run.
 ENTRIES = ("question", "run", "inputs", "ignore", "values", "answers")

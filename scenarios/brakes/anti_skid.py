@@ -59,7 +59,7 @@ MARKERS = {"ideal": ("|", BOGIE), "protected": ("o", LEADING), "unprotected": ("
 
 
 @dataclass(frozen=True)
-class Findings:
+class ProtectedStops:
     """Stops by rail and mode, ideal distances by rail [m]; low-rail stops by period and by teeth; dry-rail stops.
 
     used: mean of the braking force over the largest that the rail allows [1], by rail and mode.
@@ -74,7 +74,7 @@ class Findings:
     dry: list[Stop]
 
 
-def measure(varied: Varied) -> Findings:
+def measure(varied: Varied) -> ProtectedStops:
     stops: dict[tuple[str, str], Stop] = {}
     for mode in MODES:
         found = stops_of(RAILS, mode, Settings(), every=Settings().period)
@@ -88,7 +88,7 @@ def measure(varied: Varied) -> Findings:
     best = {rail.name: PeakAdhesion(bogie(), rail.values()) for rail in RAILS}
     ideal = {name: one.stopping_distance(Settings().speed) for name, one in best.items()}
     used = {(rail, mode): float(best[rail].used(stop).mean()) for (rail, mode), stop in stops.items()}
-    return Findings(varied, stops, ideal, used, low_stops, teeth, dry_stops)
+    return ProtectedStops(varied, stops, ideal, used, low_stops, teeth, dry_stops)
 
 
 def stops_of(rails: Sequence[RailCase], mode: str, settings: Settings, every: float = 0.0) -> list[Stop]:
@@ -103,7 +103,7 @@ def stops_of(rails: Sequence[RailCase], mode: str, settings: Settings, every: fl
 # ---- the table -------------------------------------------------------------------------------------------------------
 
 
-def rows_of(found: Findings) -> list[Row]:
+def rows_of(found: ProtectedStops) -> list[Row]:
     """Return the rows that have a limit, then the rows of every stop."""
     rows = judged_rows(found)
     source = "planar bogie, 25 m/s, full service"
@@ -140,7 +140,7 @@ def without_sliding(name: str, rail: RailCase, stop: Stop) -> list[Row]:
     return [Row(f"{name}: braking force over friction without sliding", "1", None, share, None, source)]
 
 
-def judged_rows(found: Findings) -> list[Row]:
+def judged_rows(found: ProtectedStops) -> list[Row]:
     """Return the rows with limits: the low rail with all periods and sensors, and the dry rail without commands."""
     stops = [*found.low.values(), *found.teeth.values()]
     lock = max(stop.longest_lock for stop in stops)
@@ -186,7 +186,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return report
 
 
-def among(found: Findings, locks: bool) -> str:
+def among(found: ProtectedStops, locks: bool) -> str:
     """Return the rails on which the wheels lock without protection (`locks`), or on which they do not."""
     names = [rail.name for rail in RAILS if found.stops[rail.name, "unprotected"].course.locks(LOCK_ABOVE) == locks]
     return " and ".join(names)
@@ -195,7 +195,7 @@ def among(found: Findings, locks: bool) -> str:
 # ---- the figure ------------------------------------------------------------------------------------------------------
 
 
-def message(found: Findings) -> str:
+def message(found: ProtectedStops) -> str:
     """Return the title: the gain of protection on the low rail."""
     protected, unprotected = (found.stops["low", mode].distance for mode in ("protected", "unprotected"))
     if protected is None or unprotected is None:
@@ -204,7 +204,7 @@ def message(found: Findings) -> str:
     return f"From {start} on low rail: {protected:.0f} m protected, {unprotected:.0f} m unprotected"
 
 
-def draw(found: Findings) -> Figure:
+def draw(found: ProtectedStops) -> Figure:
     """Draw the stopping distances, one line for each rail."""
     figure, axis = plt.subplots(figsize=(8.0, 4.4))
     places = range(len(RAILS))[::-1]
@@ -217,13 +217,13 @@ def draw(found: Findings) -> Figure:
     return titled(figure, message(found))
 
 
-def way(found: Findings, rail: str, mode: str) -> float:
+def way(found: ProtectedStops, rail: str, mode: str) -> float:
     """Return the stopping distance [m], or nan, which no marker shows, if the run did not stop."""
     distance = found.stops[rail, mode].distance
     return np.nan if distance is None else distance
 
 
-def draw_periods(found: Findings) -> Figure:
+def draw_periods(found: ProtectedStops) -> Figure:
     """Draw the distances on the low rail over the controller's period."""
     ideal = found.ideal["low"]
     worst = longest(list(found.low.values()), ideal)

@@ -70,7 +70,7 @@ BRAKED = {
 
 
 @dataclass(frozen=True)
-class Stop:
+class HeatedStop:
     """A stop: times [s], rise of the mean, of the surface, and of that by finite volumes [K]."""
 
     times: Numbers
@@ -116,7 +116,7 @@ def errors() -> dict[str, Numbers]:
     return {name: 100 * np.abs(own - exact) / (exact + FOURIER) for name, own in found.items()}
 
 
-def stop(one: Body) -> Stop:
+def stop(one: Body) -> HeatedStop:
     """Return an emergency stop of a vehicle, and its surface by finite volumes with the same heat."""
     train = Train(consist_of([one.vehicle]), speed=one.speed)
     share = train.consist.vehicles[0].heat.heat_share
@@ -127,7 +127,7 @@ def stop(one: Body) -> Stop:
     above = one.slab.conducted(lambda time: float(np.interp(time, times, power)), float(times[-1]))
     mean = found["brake_temperature[1]"] - SURROUNDINGS
     conducted = mean + np.interp(times, above[:, 0], above[:, 1])
-    return Stop(times, mean, found["surface_temperature[1]"] - SURROUNDINGS, conducted)
+    return HeatedStop(times, mean, found["surface_temperature[1]"] - SURROUNDINGS, conducted)
 
 
 def rows_of_models(off: Mapping[str, Numbers]) -> list[Row]:
@@ -149,7 +149,7 @@ def rows_of_models(off: Mapping[str, Numbers]) -> list[Row]:
     return [*rows, measured(name, "1", enough, "(1 / 0.1 - 1) / 3", near((1 / MISSED - 1) / 3, 0.01))]
 
 
-def rows_of_stops(stops: Mapping[str, Stop]) -> list[Row]:
+def rows_of_stops(stops: Mapping[str, HeatedStop]) -> list[Row]:
     """Return the temperatures of stops against finite volumes."""
     rows = list[Row]()
     for name, one in stops.items():
@@ -176,7 +176,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, table, lambda: draw(off, stops), parameters, seconds, [])
 
 
-def draw(off: Mapping[str, Numbers], stops: Mapping[str, Stop]) -> Figure:
+def draw(off: Mapping[str, Numbers], stops: Mapping[str, HeatedStop]) -> Figure:
     name, one = next(iter(stops.items()))
     message = f"A lump misses {one.missed:.0f} % of a tread's rise in a stop"
     titles = {"error of the surface's rise [%]": "Fourier number a t / L² [1]", f"rise, {name} [K]": "time [s]"}

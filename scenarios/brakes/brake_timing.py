@@ -61,7 +61,7 @@ SPEEDS = np.linspace(0.0, 120.0, 121)
 
 
 @dataclass(frozen=True)
-class Case:
+class Application:
     """A brake that is applied, and released after `applied` [s] by demand or by the venting valve (`vents`)."""
 
     name: str
@@ -80,15 +80,17 @@ class Case:
         return (FLOW,) if self.vents else (TIMED, FLOW)
 
 
-def cases() -> list[Case]:
+def cases() -> list[Application]:
     qr30_times = Timing(Window(APPLICATION_TIME, APPLICATION_TIME), Window(APPLICATION_TIME, APPLICATION_TIME))
     uic = "UIC 543, secondary literature"
     dump = Timing(UIC_P.application, DUMP)
     return [
-        Case("QR30", qr30_experiment(180), 180e3, RELEASED_SHARE * 180e3, qr30_times, 1.6, 3.6, "section 7.1"),
-        Case("UIC P", uic_p(), UIC_PRESSURE, UIC_RELEASED, UIC_P, 8.0, 34.0, uic),
-        Case("UIC G", uic_g(), UIC_PRESSURE, UIC_RELEASED, UIC_G, 45.0, 125.0, f"{uic}; section 2.4.2"),
-        Case("dump valve", with_dump_valve(uic_p()), UIC_PRESSURE, UIC_RELEASED, dump, 8.0, 12.0, "assumed", True),
+        Application("QR30", qr30_experiment(180), 180e3, RELEASED_SHARE * 180e3, qr30_times, 1.6, 3.6, "section 7.1"),
+        Application("UIC P", uic_p(), UIC_PRESSURE, UIC_RELEASED, UIC_P, 8.0, 34.0, uic),
+        Application("UIC G", uic_g(), UIC_PRESSURE, UIC_RELEASED, UIC_G, 45.0, 125.0, f"{uic}; section 2.4.2"),
+        Application(
+            "dump valve", with_dump_valve(uic_p()), UIC_PRESSURE, UIC_RELEASED, dump, 8.0, 12.0, "assumed", True
+        ),
     ]
 
 
@@ -98,7 +100,7 @@ def values_of(ready: ReadySet, cylinder_model: int) -> dict[str, float]:
     return {"cylinder_model": cylinder_model} | {k: v for k, v in ready.values().items() if k not in without}
 
 
-def apply_and_release(brake: FmuInstance, case: Case, cylinder_model: int) -> tuple[np.ndarray, np.ndarray]:
+def apply_and_release(brake: FmuInstance, case: Application, cylinder_model: int) -> tuple[np.ndarray, np.ndarray]:
     """Return times [s] and cylinder pressures [Pa]; the release is at one of the instants."""
     brake.restart(values_of(case.ready, cylinder_model), pressure_demand=case.pressure)
     step = case.duration / INSTANTS
@@ -111,7 +113,7 @@ def apply_and_release(brake: FmuInstance, case: Case, cylinder_model: int) -> tu
     return series["time"], series["cylinder_pressure"]
 
 
-def times_of(case: Case, time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:
+def times_of(case: Application, time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:
     """Return application and release time [s], interpolated linearly between the recorded instants."""
     begin = round(case.applied / case.duration * INSTANTS)
     rising, falling = slice(0, begin + 1), slice(begin, None)
@@ -120,7 +122,7 @@ def times_of(case: Case, time: np.ndarray, pressure: np.ndarray) -> tuple[float,
     return float(application), float(release)
 
 
-def timing_rows(case: Case, kind: str, found: tuple[float, float]) -> list[Row]:
+def timing_rows(case: Application, kind: str, found: tuple[float, float]) -> list[Row]:
     """Return the times of one run against their windows."""
     rows = []
     words = ("application to 95 %", f"{'vent' if case.vents else 'release'} to {case.released / 1e3:.0f} kPa")
@@ -140,7 +142,7 @@ def timing_rows(case: Case, kind: str, found: tuple[float, float]) -> list[Row]:
     return rows
 
 
-def force_rows(brake: FmuInstance, case: Case) -> list[Row]:
+def force_rows(brake: FmuInstance, case: Application) -> list[Row]:
     """Return the force of the shoes when the brake is fully applied, by flow against the timed law."""
     forces = []
     for cylinder_model in case.kinds:
@@ -214,7 +216,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, series, lambda: draw(chosen, series, frictions, apart), parameters, seconds, remarks, guids)
 
 
-def restrictions(case: Case) -> str:
+def restrictions(case: Application) -> str:
     flow = case.ready.flow
     names = ("application", "release", "vent")
     bores = (flow.application_orifice, flow.release_orifice, flow.vent_orifice)
@@ -222,7 +224,7 @@ def restrictions(case: Case) -> str:
     return f"{case.name}: restrictions {sizes}, found from the times."
 
 
-def draw(chosen: Sequence[Case], series: Recording, frictions: dict[str, np.ndarray], apart: float) -> Figure:
+def draw(chosen: Sequence[Application], series: Recording, frictions: dict[str, np.ndarray], apart: float) -> Figure:
     figure, grid = plt.subplots(2, 2, figsize=(10.0, 7.2))
     by_name = {case.name: case for case in chosen}
     for axis, name in zip(grid.flat, ("QR30", "UIC P", "UIC G"), strict=False):
@@ -237,7 +239,7 @@ def draw(chosen: Sequence[Case], series: Recording, frictions: dict[str, np.ndar
     return titled(figure, f"Fully applied, cylinders fill by flow within {1e3 * apart:.0f} ms of timed ones")
 
 
-def _draw_pressures(axis: Axes, case: Case, series: Recording) -> None:
+def _draw_pressures(axis: Axes, case: Application, series: Recording) -> None:
     for cylinder_model, line, colour in ((TIMED, "-", LEADING), (FLOW, "--", TRAILING)):
         pressure = series[f"cylinder_pressure ({case.name}, {KINDS[cylinder_model]})"] / 1e3
         axis.plot(series[f"time ({case.name})"], pressure, line, color=colour, label=KINDS[cylinder_model])

@@ -53,7 +53,7 @@ LOW, PROTECTED, REDUCED = "low, unprotected", "low, protected", "low, protected,
 
 
 @dataclass(frozen=True)
-class Case:
+class Conditions:
     """Rail, whether protection is on and the curves are those of reduced adhesion; acceleration of the driver."""
 
     rail: RailCondition
@@ -63,16 +63,16 @@ class Case:
 
 
 CASES = {
-    "dry": Case(dry()),
-    "dry, driver accelerates": Case(dry(), acceleration=ACCELERATION),
-    LOW: Case(low()),
-    PROTECTED: Case(low(), protected=True),
-    REDUCED: Case(low(), protected=True, reduced=True),
+    "dry": Conditions(dry()),
+    "dry, driver accelerates": Conditions(dry(), acceleration=ACCELERATION),
+    LOW: Conditions(low()),
+    PROTECTED: Conditions(low(), protected=True),
+    REDUCED: Conditions(low(), protected=True, reduced=True),
 }
 
 
 @dataclass(frozen=True)
-class Stop:
+class SupervisedStop:
     """A stop: distance behind the end of authority [m], speed [m/s] and command of the emergency brake over time."""
 
     series: Recording
@@ -115,7 +115,7 @@ def train_data() -> SupervisedTrain:
     return SupervisedTrain(LENGTH, steps, steps, time, time, T_traction_cut_off=CUT_OFF)
 
 
-def stop(case: Case, train: SupervisedTrain, folder: Path, speed: float) -> Stop:
+def stop(case: Conditions, train: SupervisedTrain, folder: Path, speed: float) -> SupervisedStop:
     """Run the coach from its indication to rest."""
     with ExitStack() as stack:
         vehicle = stack.enter_context(coach_instance(case.rail, speed))
@@ -160,7 +160,9 @@ class Driver:
         vehicle.set(**{f"traction_torque_{number}": self.torque if pulls else 0.0 for number in NUMBERS})
 
 
-def _until_rest(coupling: Coupling, vehicle: FmuInstance, curves: FmuInstance, driver: Driver, step: float) -> Stop:
+def _until_rest(
+    coupling: Coupling, vehicle: FmuInstance, curves: FmuInstance, driver: Driver, step: float
+) -> SupervisedStop:
     """Run the coupled FMUs until the coach is at rest, at most LONGEST."""
     rows: list[list[float]] = []
     for time in coupling.run(LONGEST, step, partial(driver.drive, vehicle, curves)):
@@ -170,7 +172,7 @@ def _until_rest(coupling: Coupling, vehicle: FmuInstance, curves: FmuInstance, d
         if speed < AT_REST:
             break
     units = {"time": "s", "behind": "m", "speed": "m/s", "emergency_brake": "1", "V_EBI": "m/s"}
-    return Stop(Recording(units, np.array(rows)))
+    return SupervisedStop(Recording(units, np.array(rows)))
 
 
 def expected(train: SupervisedTrain, speed: float) -> float:
@@ -179,7 +181,7 @@ def expected(train: SupervisedTrain, speed: float) -> float:
     return -float(error * (speed / rate + time) + error**2 / (2.0 * rate))
 
 
-def rows_of(found: Mapping[str, Stop], of_speed: float) -> list[Row]:
+def rows_of(found: Mapping[str, SupervisedStop], of_speed: float) -> list[Row]:
     """Return the overruns, those with limits first."""
     over = {name: one.overrun for name, one in found.items()}
     places = {name: -float(one.series["behind"][one.begins]) for name, one in found.items()}
@@ -226,7 +228,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows_of(found, expected(train, speed)), series, lambda: draw(found), parameters, seconds, remarks)
 
 
-def draw(found: Mapping[str, Stop]) -> Figure:
+def draw(found: Mapping[str, SupervisedStop]) -> Figure:
     """Draw the speeds over the distance from the end of authority."""
     over = found[PROTECTED].overrun
     way = "does not stop" if over is None else f"stops {over:.0f} m behind the EOA"

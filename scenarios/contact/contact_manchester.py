@@ -81,7 +81,7 @@ def table(name: str) -> dict[str, np.ndarray]:
 
 
 @dataclass(frozen=True)
-class Found:
+class ContactResult:
     """Results of a method on one wheel: position on the rail [m], contact angle [rad], forces on the rail ahead and
     outwards of the track [N], largest pressure [Pa].
     """
@@ -93,7 +93,7 @@ class Found:
     pressure: float
 
 
-def exact(name: str) -> dict[float, Found]:
+def exact(name: str) -> dict[float, ContactResult]:
     """Return the exact theory by shift [mm] for the wheel of this name, in the axes of that wheel."""
     outwards = -SIDES[name]
     points = [one for one in EXAMPLE.points if one.inputs["wheel"] == name]
@@ -101,7 +101,7 @@ def exact(name: str) -> dict[float, Found]:
     rows = [[one.published[answer] for answer in answers] for one in points]
     shifts = [round(1e3 * float(np.asarray(one.inputs["lateral"])), 9) for one in points]
     return {
-        shift: Found(outwards * place, -outwards * angle, ahead, outwards * aside, pressure)
+        shift: ContactResult(outwards * place, -outwards * angle, ahead, outwards * aside, pressure)
         for shift, (place, angle, ahead, aside, pressure) in zip(shifts, rows, strict=True)
     }
 
@@ -119,7 +119,7 @@ def case(name: str, shift: float) -> tuple[Stand, WheelVelocity]:
     return stand, rolling(stand, SPEED, -pitch_rate)
 
 
-def depth_1(stand: Stand, motion: WheelVelocity) -> Found:
+def depth_1(stand: Stand, motion: WheelVelocity) -> ContactResult:
     """Return one ellipse where the rigid profiles touch, Hertz and Polach: the contact of the level `spatial`."""
     pair = manchester_pair()
     _, place = touching(pair, stand)
@@ -134,7 +134,7 @@ def depth_1(stand: Stand, motion: WheelVelocity) -> Found:
     load = float(brentq(up, 0.1 * LOAD, 10 * LOAD))
     ahead, aside, pressure = (float(value) for value in one_ellipse()(load, *curvatures, *sliding))
     outwards = aside * math.cos(angle) - load * math.sin(angle)
-    return Found(float(strip.on_rail[0]), angle, -ahead, -outwards, pressure)
+    return ContactResult(float(strip.on_rail[0]), angle, -ahead, -outwards, pressure)
 
 
 def curvature_across(pair: Pair, strip: Strips) -> float:
@@ -235,7 +235,7 @@ def bearings(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES)
     return at(float(approach))
 
 
-def depth_2(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) -> Found:
+def depth_2(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) -> ContactResult:
     """Return the elastic ellipses of contact model 2 at the level `spatial`, with its laws; they part where contact
     jumps.
 
@@ -248,23 +248,23 @@ def depth_2(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) 
     place, angle = (
         float(np.average([getattr(x, name) for x in found], weights=weights)) for name in ("on_rail", "angle")
     )
-    return Found(place, angle, -ahead, -outwards, max(one.pressure for one in found if one.load > 0.0))
+    return ContactResult(place, angle, -ahead, -outwards, max(one.pressure for one in found if one.load > 0.0))
 
 
-def depth_3(stand: Stand, motion: WheelVelocity) -> Found:
+def depth_3(stand: Stand, motion: WheelVelocity) -> ContactResult:
     """Return strips with their own creep forces, some 8 in each part of the wheel: `spatial` at contact model 3."""
     wheel = wheel_under_load(manchester_pair(), STEEL, FRICTION, stand, motion, LOAD)
-    return Found(wheel.place, wheel.angle, -float(wheel.force[0]), -float(wheel.force[1]), wheel.pressure)
+    return ContactResult(wheel.place, wheel.angle, -float(wheel.force[0]), -float(wheel.force[1]), wheel.pressure)
 
 
-def strips_of_patches(stand: Stand, motion: WheelVelocity) -> Found:
+def strips_of_patches(stand: Stand, motion: WheelVelocity) -> ContactResult:
     """Return the finer study model of the strips: patches of any shape from the undeformed distance, by 24 strips."""
     _, contacts = under_load(
         manchester_pair(), stand, STEEL, FRICTION, lambda strips: creepages_of(strips, motion), LOAD
     )
     place, force = place_of(contacts), total(contacts)
     pressure = max(float(np.max(contact.patch.pressure)) for contact in contacts)
-    return Found(place.on_rail, place.angle, -float(force[0]), -float(force[1]), pressure)
+    return ContactResult(place.on_rail, place.angle, -float(force[0]), -float(force[1]), pressure)
 
 
 @dataclass(frozen=True)
@@ -272,7 +272,7 @@ class Method:
     """A contact model: its name, its results, its limit, its line in the figure."""
 
     name: str
-    find: Callable[[Stand, WheelVelocity], Found]
+    find: Callable[[Stand, WheelVelocity], ContactResult]
     limit: str
     colour: str
 
@@ -314,14 +314,16 @@ SHARE_BAND = 0.10
 #: Right wheel at 5 mm with patches kept apart, exact theory: y on the rail [m] and normal force [N].
 APART_SHIFT, APART = 5.0, ((-33.93e-3, 8244.0), (-23.76e-3, 1536.0))
 SOURCE = "exact theory (CONTACT v25), Manchester benchmark A-2.2"
-FORCES: dict[str, Callable[[Found], float]] = {
+FORCES: dict[str, Callable[[ContactResult], float]] = {
     "the force ahead": lambda found: found.ahead,
     "the force sideways": lambda found: found.outwards,
 }
 
 
 def largest_miss(
-    pairs: Sequence[tuple[Found, Found]], of: Callable[[Found], float], scale: float = 100 / (FRICTION * LOAD)
+    pairs: Sequence[tuple[ContactResult, ContactResult]],
+    of: Callable[[ContactResult], float],
+    scale: float = 100 / (FRICTION * LOAD),
 ) -> float:
     """Return the largest distance from exact theory over pairs (found, exact); by default in % of mu N."""
     return max(abs(of(found) - of(truth)) for found, truth in pairs) * scale
@@ -340,7 +342,7 @@ def with_other_laws() -> list[Row]:
     return rows
 
 
-def misses(method: Method, lines: dict[tuple[str, str], list[Found]]) -> list[Row]:
+def misses(method: Method, lines: dict[tuple[str, str], list[ContactResult]]) -> list[Row]:
     """Return the largest distances from exact theory over both wheels at integer millimetres."""
     pairs = [
         (found, truth)
@@ -349,7 +351,7 @@ def misses(method: Method, lines: dict[tuple[str, str], list[Found]]) -> list[Ro
         for found in [lines[method.name, name][int(np.argmin(np.abs(SHIFTS - shift)))]]
     ]
 
-    def largest(quantity: str, unit: str, of: Callable[[Found], float], scale: float, band: float) -> Row:
+    def largest(quantity: str, unit: str, of: Callable[[ContactResult], float], scale: float, band: float) -> Row:
         worst = largest_miss(pairs, of, scale)
         name = f"{method.name}: largest miss of {quantity}"
         return measured(name, unit, worst, SOURCE, at_most(band), method.limit)
@@ -380,7 +382,7 @@ def apart() -> list[Row]:
 
 
 def run(options: Options, quick: bool = False) -> Report:
-    lines: dict[tuple[str, str], list[Found]] = {}
+    lines: dict[tuple[str, str], list[ContactResult]] = {}
     for method in METHODS:
         for name in counting(SIDES, "contact-manchester"):
             lines[method.name, name] = [method.find(*case(name, float(shift))) for shift in SHIFTS]
@@ -409,7 +411,7 @@ PANELS = {
 }
 
 
-def draw(lines: dict[tuple[str, str], list[Found]], rows: Sequence[Row]) -> Figure:
+def draw(lines: dict[tuple[str, str], list[ContactResult]], rows: Sequence[Row]) -> Figure:
     figure, grid = plt.subplots(len(PANELS), 2, figsize=(9.5, 10.0), sharex=True)
     for column, name in enumerate(SIDES):
         for row, (quantity, (title, scale)) in enumerate(PANELS.items()):
@@ -424,7 +426,9 @@ def draw(lines: dict[tuple[str, str], list[Found]], rows: Sequence[Row]) -> Figu
     return titled(figure, f"Strips miss the contact's place by {strips:.2f} mm, one ellipse {one:.1f} mm")
 
 
-def draw_panel(axis: Axes, lines: dict[tuple[str, str], list[Found]], name: str, quantity: str, scale: float) -> None:
+def draw_panel(
+    axis: Axes, lines: dict[tuple[str, str], list[ContactResult]], name: str, quantity: str, scale: float
+) -> None:
     """Draw one quantity of one wheel: lines of the methods, points of exact theory."""
     for method, width in zip(METHODS, WIDTHS, strict=True):
         values = np.array([getattr(found, quantity) for found in lines[method.name, name]])

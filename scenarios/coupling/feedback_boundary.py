@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag, expm
 from scipy.optimize import bisect, brentq
 
 from brake_controller.experiment import APPLICATION_TIME
@@ -24,6 +23,7 @@ from products.kernel_runs import prepare
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.braked_bogie import bogie_values, connections, start_brake
+from scenarios.bench.mixed_train import held_exactly
 
 SPEED = 20.0
 #: Steady pressure [Pa]: half of the full brake, creep in its linear range.
@@ -71,22 +71,13 @@ def linear_bogie() -> Plant:
     c = np.array([kernel.directional([FEEDBACK], {f"state_{name}": 1.0})[0] for name in names])
     # A x = -b cannot be solved: the speed has no steady value. The slip ratio, which is independent of it, settles in
     # time.
-    settled = _held(a, b, SETTLING)
-    return Plant(a, b, c, float(c @ settled[1]))
+    _, driven = held_exactly(a, b[:, None], SETTLING)
+    return Plant(a, b, c, float(c @ driven[:, 0]))
 
 
 def _slopes(kernel: Kernel, place: list[float], torque: float) -> np.ndarray:
     kernel.set(brake_torque_1=torque, brake_torque_2=torque)
     return np.array(kernel.slopes_at(kernel.time, place))
-
-
-def _held(a: np.ndarray, b: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the exact step of x' = A x + b u with constant u (zero-order hold): x -> first x + second u."""
-    count = len(b)
-    whole = block_diag(a, 0.0)
-    whole[:count, count] = b
-    moved = expm(step * whole)
-    return moved[:count, :count], moved[:count, count]
 
 
 def loop_matrix(plant: Plant, method: str, step: float) -> Callable[[float], np.ndarray]:
@@ -95,14 +86,14 @@ def loop_matrix(plant: Plant, method: str, step: float) -> Callable[[float], np.
     Inputs are constant in between (zero-order hold). The cylinder is a lag: T -> e T - (1 - e) gain / g c x. The bogie
     gets the torque at the start (Jacobi) or, after the brake's step, at the end of the step (Gauss-Seidel).
     """
-    free, driven = _held(plant.a, plant.b, step)
+    free, driven = held_exactly(plant.a, plant.b[:, None], step)
     decay = math.exp(-step * TIME_CONSTANTS_TO_95_PERCENT / APPLICATION_TIME)
     nothing = np.zeros(len(free))
 
     def matrix(gain: float) -> np.ndarray:
         brake = np.append(-(1.0 - decay) * gain / plant.steady_gain * plant.c, decay)
         torque = brake if method == GAUSS_SEIDEL else np.append(nothing, 1.0)
-        return np.vstack([np.column_stack([free, nothing]) + np.outer(driven, torque), brake])
+        return np.vstack([np.column_stack([free, nothing]) + driven * torque, brake])
 
     return matrix
 

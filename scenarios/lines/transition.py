@@ -50,7 +50,7 @@ COLUMNS = ("distance", "lateral_1", "lateral_2", "guiding_force_1", "guiding_for
 
 
 @dataclass(frozen=True)
-class Case:
+class Ride:
     """A run: its ramp 1:n, its speed [m/s], with the curve or only the cant, with wheelsets that turn freely or not."""
 
     ramp: float
@@ -93,7 +93,7 @@ def moved(series: Recording) -> np.ndarray:
     return np.asarray((one - two) / 4)
 
 
-def by_twist(case: Case, series: Recording, values: np.ndarray) -> float:
+def by_twist(case: Ride, series: Recording, values: np.ndarray) -> float:
     """Return the effect of the twist: half of the difference between the ramps up and down."""
     up, down = (np.mean(values[np.abs(series["distance"] - middle) < HALF_WINDOW]) for middle in case.middles)
     return float(up - down) / 2
@@ -128,7 +128,7 @@ def roll_stiffness() -> float:
 FELT = roll_stiffness() / SPRINGS
 
 
-def statics(case: Case) -> float:
+def statics(case: Ride) -> float:
     """Return the moved load without steering: springs with half of the twist each, less the effect of the lean [N].
 
     The load of the frame rests on wheelsets that lean by the springs' share of half of the twist. This pushes each
@@ -139,7 +139,7 @@ def statics(case: Case) -> float:
     return (roll_stiffness() * case.twist / 2 - FELT * leaning) / (2 * SPACING)
 
 
-def shares(case: Case, series: Recording) -> dict[str, float]:
+def shares(case: Ride, series: Recording) -> dict[str, float]:
     """Return the parts of the moved load that turn a wheelset about the rails, with recorded guiding forces and shifts
     [N].
 
@@ -164,16 +164,16 @@ def unloading(series: Recording) -> float:
     return 1.0 - float(min(np.min(series[wheel]) for wheel in WHEELS)) / WHEEL_LOAD
 
 
-Found = dict[Case, Recording]
+Found = dict[Ride, Recording]
 
 
 def run(options: Options, quick: bool = False) -> Report:
-    cases = [Case(ramp, SLOW, curved=False, free=True) for ramp in RAMPS]
-    cases += [Case(ramp, speed) for speed in (SLOW, FAST) for ramp in RAMPS]
+    cases = [Ride(ramp, SLOW, curved=False, free=True) for ramp in RAMPS]
+    cases += [Ride(ramp, speed) for speed in (SLOW, FAST) for ramp in RAMPS]
     found = {case: case.run() for case in counting(cases, "transition")}
     rows = [row_of(case, series) for case, series in found.items()]
     rows += [unloading_row(case, series) for case, series in found.items() if not case.free]
-    shown = Case(RAMPS[0], SLOW)
+    shown = Ride(RAMPS[0], SLOW)
     parameters = BOGIE.values() | {"radius": RADIUS, "cant": CANT, "slow": SLOW, "fast": FAST}
     seconds = sum(float(series["time"][-1]) for series in found.values())
     return Report(rows, found[shown], lambda: draw(found), parameters, seconds, remarks(found), motion=motion)
@@ -181,12 +181,12 @@ def run(options: Options, quick: bool = False) -> Report:
 
 def motion() -> Motion:
     """Run through the steepest ramps at the speed of balanced cant."""
-    vehicle, case = two_axle_bogie(), Case(RAMPS[0], FAST)
+    vehicle, case = two_axle_bogie(), Ride(RAMPS[0], FAST)
     text = f"On ramps 1:{case.ramp:g} into a curve of {RADIUS:g} m and out of it, at {FAST:.1f} m/s"
     return Motion(text, vehicle, case.run(motion_columns(vehicle)), case.line)
 
 
-def row_of(case: Case, series: Recording) -> Row:
+def row_of(case: Ride, series: Recording) -> Row:
     """Return the load moved by the twist, against statics."""
     load, parts = by_twist(case, series, moved(series)) / 1e3, shares(case, series)
     if case.free:
@@ -200,7 +200,7 @@ def row_of(case: Case, series: Recording) -> Row:
     return measured(name, "kN", load, source, near(expected, BAND * expected), note)
 
 
-def unloading_row(case: Case, series: Recording) -> Row:
+def unloading_row(case: Ride, series: Recording) -> Row:
     """Return the unloading with curve and cant excess included, for context."""
     name = f"largest dQ/Q, ramp 1:{case.ramp:g} into R = {RADIUS:g} m at {case.speed:.1f} m/s"
     note = "not judged: the limit is that of the test on twisted track; cant excess and guiding forces are in it"
@@ -211,7 +211,7 @@ def remarks(found: Found) -> list[str]:
     """Return the reason why more load moves than through the springs alone."""
     curved = {case: shares(case, series) for case, series in found.items() if not case.free}
     more = [sum(parts.values()) / parts["springs"] for parts in curved.values()]
-    yaw = BOGIE.wheel_radius * Case(RAMPS[0], SLOW).twist / BOGIE.wheel_base
+    yaw = BOGIE.wheel_radius * Ride(RAMPS[0], SLOW).twist / BOGIE.wheel_base
     return [
         f"The bogie as it is moves {min(more):.2f} to {max(more):.2f} times what its springs alone say. Axles lie "
         f"{BOGIE.wheel_radius:g} m above the rails: on a twisted track the line through the middles of both turns "
@@ -221,7 +221,7 @@ def remarks(found: Found) -> list[str]:
 
 
 def draw(found: Found) -> Figure:
-    ends = [Case(ramp, SLOW) for ramp in (RAMPS[0], RAMPS[-1])]
+    ends = [Ride(ramp, SLOW) for ramp in (RAMPS[0], RAMPS[-1])]
     most, least = (by_twist(case, found[case], moved(found[case])) / 1e3 for case in ends)
     message = f"A ramp of 1:{RAMPS[0]:g} moves {most:.1f} kN, one of 1:{RAMPS[-1]:g} {least:.1f} kN"
     titles = {
@@ -232,13 +232,13 @@ def draw(found: Found) -> Figure:
     }
     figure, (line, twisted, loads, bars) = charts(message, titles, (11.0, 7.6))
     for ramp, colour in zip(RAMPS, THREE, strict=True):
-        rows = Case(ramp, SLOW).line.rows
+        rows = Ride(ramp, SLOW).line.rows
         line.plot(rows["distance"], 1e3 * rows["cant"], color=colour, label=f"1:{ramp:g}")
         for speed, style in ((SLOW, "-"), (FAST, ":")):
-            series = found[Case(ramp, speed)]
+            series = found[Ride(ramp, speed)]
             twisted.plot(series["distance"], moved(series) / 1e3, style, color=colour)
     for speed, colour in ((SLOW, LEADING), (FAST, TRAILING)):
-        series = found[Case(RAMPS[0], speed)]
+        series = found[Ride(RAMPS[0], speed)]
         lightest = np.min([series[wheel] for wheel in WHEELS], axis=0)
         loads.plot(series["distance"], 1.0 - lightest / WHEEL_LOAD, color=colour, label=f"{speed:.1f} m/s")
     legend_above(line, 3)
@@ -249,7 +249,7 @@ def draw(found: Found) -> Figure:
 
 def draw_shares(axis: Axes, found: Found) -> None:
     """Draw statics as bars of their parts, measured values as marks."""
-    cases: Sequence[Case] = list(found)
+    cases: Sequence[Ride] = list(found)
     for place, case in enumerate(cases):
         series, begin = found[case], 0.0
         parts = shares(case, series)

@@ -34,8 +34,8 @@ from scenarios.bench.asymmetric_shoes import (
     STOP_TIME,
     TOLERANCE,
     YAW_TORQUE,
-    Case,
     Outcome,
+    ShoeCase,
     brake,
     run_all,
 )
@@ -54,7 +54,7 @@ FITTED = "not judged: the half spacing is fitted to it"
 CONTOUR = "not judged: hangs on the wheel's contour, which is not public"
 
 
-def rows_of(case: Case, outcome: Outcome) -> list[Row]:
+def rows_of(case: ShoeCase, outcome: Outcome) -> list[Row]:
     """Return the rows of a case.
 
     With the rotating axis stop times have limits; peaks are compared with the reported ones.
@@ -78,7 +78,7 @@ def rows_of(case: Case, outcome: Outcome) -> list[Row]:
     return rows
 
 
-def rows_of_derailments(outcomes: dict[Case, Outcome]) -> list[Row]:
+def rows_of_derailments(outcomes: dict[ShoeCase, Outcome]) -> list[Row]:
     """Return the number of derailments of each interpretation, without and with a separate flange contact."""
     rows = []
     for reading in (name for pair in ON_PATCHES.items() for name in pair):
@@ -90,13 +90,13 @@ def rows_of_derailments(outcomes: dict[Case, Outcome]) -> list[Row]:
     return rows
 
 
-def rows_of_loads(outcomes: dict[Case, Outcome]) -> list[Row]:
+def rows_of_loads(outcomes: dict[ShoeCase, Outcome]) -> list[Row]:
     """Return the largest load of a flanging wheel if the flange's force acts at the axle's centre (thesis), at the
     rail, and on its patch.
     """
     rows = []
     for error in YAW_TORQUE:
-        printed, *others = (Case(1, error, FASTEST, name) for name in (AT_CENTRE, PHYSICAL, ON_PATCHES[PHYSICAL]))
+        printed, *others = (ShoeCase(1, error, FASTEST, name) for name in (AT_CENTRE, PHYSICAL, ON_PATCHES[PHYSICAL]))
         least = 1e-3 * outcomes[printed].flanging_load(1)
         for case in (printed, *others):
             name, load = f"{case.name}: largest load of a flanging wheel", 1e-3 * outcomes[case].flanging_load(1)
@@ -122,7 +122,7 @@ IMPACTS_REMARK = (
 )
 
 
-def shares_of_peaks(outcomes: dict[Case, Outcome]) -> list[float]:
+def shares_of_peaks(outcomes: dict[ShoeCase, Outcome]) -> list[float]:
     """Return the peak shifts over the reported ones, in the thesis's interpretation."""
     return [
         1e3 * found / printed
@@ -134,9 +134,9 @@ def shares_of_peaks(outcomes: dict[Case, Outcome]) -> list[float]:
     ]
 
 
-def remarks_of(outcomes: dict[Case, Outcome]) -> list[str]:
+def remarks_of(outcomes: dict[ShoeCase, Outcome]) -> list[str]:
     """Return remarks on all cases, then the messages of each case."""
-    lifting = outcomes[Case(2, 75, FASTEST, ON_PATCHES[AS_THESIS])]
+    lifting = outcomes[ShoeCase(2, 75, FASTEST, ON_PATCHES[AS_THESIS])]
     shares = shares_of_peaks(outcomes)
     return [
         f"With the rotating axis peak shifts are {min(shares):.2f} to {max(shares):.2f} of the printed ones: most fall "
@@ -173,26 +173,26 @@ def run(options: Options, quick: bool = False) -> Report:
 
 def motion() -> Motion:
     """Run the fastest case that derails."""
-    vehicle, case = two_axle_bogie(), Case(1, 75, FASTEST, AS_THESIS)
+    vehicle, case = two_axle_bogie(), ShoeCase(1, 75, FASTEST, AS_THESIS)
     return Motion(f"Braked: {case.name}", vehicle, brake(case, DURATION, motion_columns(vehicle))[1])
 
 
-def message(outcomes: dict[Case, Outcome]) -> str:
+def message(outcomes: dict[ShoeCase, Outcome]) -> str:
     """Return the title: the largest shifts at the smallest error in the two interpretations."""
     error = min(YAW_TORQUE)
     printed, physical = (
-        1e3 * max(max(outcomes[Case(n, error, FASTEST, reading)].peaks) for n in (1, 2))
+        1e3 * max(max(outcomes[ShoeCase(n, error, FASTEST, reading)].peaks) for n in (1, 2))
         for reading in (AS_THESIS, PHYSICAL)
     )
     return f"Shoes {error}% uneven shift wheelsets {printed:.1f} mm (axis turning), {physical:.1f} mm (fixed)"
 
 
-def draw(outcomes: dict[Case, Outcome]) -> Figure:
+def draw(outcomes: dict[ShoeCase, Outcome]) -> Figure:
     """Draw the largest shift of any wheelset over the error of the shoes, with the fastest application of the brake."""
     figure, axis = single(message(outcomes), "error of the shoe forces [%]", "largest lateral shift [mm]")
     for (reading, words), colour, height in zip(READ.items(), (LEADING, TRAILING), (3.4, 11.6), strict=True):
         for wheelset, (_, line) in WHEELSETS.items():
-            cases = [Case(wheelset, error, FASTEST, reading) for error in YAW_TORQUE]
+            cases = [ShoeCase(wheelset, error, FASTEST, reading) for error in YAW_TORQUE]
             peaks = [1e3 * max(outcomes[case].peaks) for case in cases]
             axis.plot([0, *YAW_TORQUE], [0.0, *peaks], line, color=colour, markersize=8)
             mark_derailed(axis, YAW_TORQUE, peaks, [outcomes[case] for case in cases])
@@ -205,9 +205,9 @@ def draw(outcomes: dict[Case, Outcome]) -> Figure:
     return figure
 
 
-def draw_depths(outcomes: dict[Case, Outcome]) -> Figure:
+def draw_depths(outcomes: dict[ShoeCase, Outcome]) -> Figure:
     """Draw the largest shift with the flange as a spring (3.106), and with a separate flange contact."""
-    cases = [Case(n, error, FASTEST, reading) for reading in READ for n in WHEELSETS for error in YAW_TORQUE]
+    cases = [ShoeCase(n, error, FASTEST, reading) for reading in READ for n in WHEELSETS for error in YAW_TORQUE]
     spring = [outcomes[case] for case in cases]
     patch = [outcomes[replace(case, reading=ON_PATCHES[case.reading])] for case in cases]
     ends = [sum(one.derailed_at is not None for one in some) for some in (spring, patch)]

@@ -30,7 +30,7 @@ REFERENCE = "whole, eight cells"
 
 
 @dataclass(frozen=True)
-class Scene:
+class ModelledStop:
     """A stop of one train."""
 
     length: float
@@ -53,8 +53,8 @@ class Scene:
         return float(train.distance[0]) - start, train.largest_compression, pace
 
 
-def scenes(lengths: tuple[float, ...]) -> list[Scene]:
-    return [Scene(length, position, command) for length in lengths for position in "PG" for command in COMMANDS]
+def scenes(lengths: tuple[float, ...]) -> list[ModelledStop]:
+    return [ModelledStop(length, position, command) for length in lengths for position in "PG" for command in COMMANDS]
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Error:
 
 
 def errors(
-    brake_model: str, found: Mapping[tuple[Scene, str], tuple[float, float, float]], lengths: tuple[float, ...]
+    brake_model: str, found: Mapping[tuple[ModelledStop, str], tuple[float, float, float]], lengths: tuple[float, ...]
 ) -> Error:
     """Return the errors against the reference; no train is longer than the brake model allows."""
     within = [one for one in scenes(lengths) if one.length <= BRAKE_MODELS_BY_COST[brake_model].longest]
@@ -116,7 +116,9 @@ def run(options: Options, quick: bool = False) -> Report:
 
 
 def draw(
-    found: Mapping[tuple[Scene, str], tuple[float, float, float]], pace: Mapping[str, float], on_held: tuple[float, ...]
+    found: Mapping[tuple[ModelledStop, str], tuple[float, float, float]],
+    pace: Mapping[str, float],
+    on_held: tuple[float, ...],
 ) -> Figure:
     cheap, names = "empirical, half a cell", list(BRAKE_MODELS_BY_COST)[:-1]
     off, times = 100 * errors(cheap, found, on_held).distance, float(f"{pace[cheap]:.2g}")

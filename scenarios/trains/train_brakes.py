@@ -30,7 +30,7 @@ HALF = 0.5
 
 
 @dataclass(frozen=True)
-class Run:
+class TrainStop:
     """A stop: its course, and the largest compression of a coupler [N]."""
 
     course: Course
@@ -48,13 +48,13 @@ class Run:
         return float(self.course.time[np.argmax(last > HALF * last.max())])
 
 
-def run_of(brake: str, command: str) -> Run:
+def run_of(brake: str, command: str) -> TrainStop:
     """Return a stop of a train of equal cars."""
     cars = {"kind": "wagon", "count": CARS, "load": 60, "distributor": BRAKES[brake], "coupler": "draft-gear"}
     head = {"kind": "locomotive", "brake": "none", "coupler": "draft-gear"}
     train = Train(consist_of([head, cars]), speed=SPEED)
     train.drive(*COMMANDS[command])
-    return Run(stop(train), train.largest_compression)
+    return TrainStop(stop(train), train.largest_compression)
 
 
 def run(options: Options, quick: bool = False) -> Report:
@@ -86,7 +86,7 @@ def run(options: Options, quick: bool = False) -> Report:
 MESSAGE = "By wire all cars brake at once, and couplers hardly push"
 
 
-def series_of(found: dict[tuple[str, str], Run]) -> Recording:
+def series_of(found: dict[tuple[str, str], TrainStop]) -> Recording:
     """Return the pressures along the train."""
     series = Recording({"car": "1"}, np.arange(1.0, CARS + 1.0)[:, None])
     for (brake, command), one in found.items():
@@ -95,7 +95,7 @@ def series_of(found: dict[tuple[str, str], Run]) -> Recording:
     return series
 
 
-def draw(found: dict[tuple[str, str], Run]) -> Figure:
+def draw(found: dict[tuple[str, str], TrainStop]) -> Figure:
     titles = {f"full service, pipe after {LOOK:g} s [bar]": "car, from the head"}
     titles[f"full service, cylinders after {LOOK:g} s [bar]"] = "car, from the head"
     titles["stopping distance from 80 km/h [m]"] = ""

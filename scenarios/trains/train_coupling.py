@@ -17,7 +17,8 @@ from bogie_braking.reporting.scenario import Options, Scenario
 from products.train.consist import Consist, TrainVehicle, block_train
 from products.train.numbers import Settings
 from products.train.train import Train
-from rbd_model.train.coupler import COUPLERS, Coupler, Curve
+from rbd_model.train.coupler import COUPLERS, Coupler
+from scenarios.bench.mixed_train import spring
 from scenarios.bench.train_runs import Course, follow
 
 #: Speeds [m/s], standing vehicles, of which the first has its brake applied, and initial gap [m].
@@ -25,11 +26,6 @@ SPEEDS, STANDING, GAP = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0), 3, 1.0
 #: Tolerances of a spring without friction against its closed form, and of couplings that last after the impact.
 STIFFNESS, CLOSED = 10e6, 1e-3
 LONG = 15.0
-
-
-def spring() -> Coupler:
-    bar = Curve((0.0, 1.0), (0.0, STIFFNESS))
-    return Coupler("spring", STIFFNESS, (bar, bar), (bar, bar))
 
 
 def impact(coupler: Coupler, speed: float, standing: int = STANDING) -> tuple[Train, Course]:
@@ -63,7 +59,7 @@ def run(options: Options, quick: bool = False) -> Report:
     found = {(name, v): impact(COUPLERS[name](), v) for name, v in counting(tries, "impacts", unit="impact")}
     rows = []
     for speed in (SPEEDS[0], SPEEDS[-1]):
-        train, _ = impact(spring(), speed, standing=1)
+        train, _ = impact(spring(STIFFNESS), speed, standing=1)
         due, name = 1e-3 * speed * math.sqrt(STIFFNESS * 80e3 / 2), f"one against one on a spring, {speed:g} m/s"
         asked, value = near(due, CLOSED * due), 1e-3 * train.largest_compression
         rows.append(measured(f"{name}: compression", "kN", value, "v sqrt(k m / 2)", asked))

@@ -72,7 +72,7 @@ def frictions(train: Train, rail: np.ndarray, way: Way) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Stop:
+class LowAdhesionStop:
     """A stop: its course, frictions under each vehicle by interval, and its air [kg]."""
 
     course: Course
@@ -89,7 +89,7 @@ class Stop:
         return float(longest * INTERVAL)
 
 
-def stop(way: Way) -> Stop:
+def stop(way: Way) -> LowAdhesionStop:
     """Run an emergency."""
     train = train_of(way.rail)
     train.drive("emergency")
@@ -106,7 +106,7 @@ def stop(way: Way) -> Stop:
         return stands(one)
 
     course = follow(train, 200.0, INTERVAL, act)
-    return Stop(course, np.array(found), train.air_used)
+    return LowAdhesionStop(course, np.array(found), train.air_used)
 
 
 def run(options: Options, quick: bool = False) -> Report:
@@ -138,7 +138,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, shown.course.recording(), lambda: draw(found), parameters, seconds, said)
 
 
-def draw(found: Mapping[str, Stop]) -> Figure:
+def draw(found: Mapping[str, LowAdhesionStop]) -> Figure:
     rise = found["low, protected"].friction.mean(axis=0)
     message = f"On low rail sliding wheels raise friction from {rise[0]:.3f} to {rise[-1]:.3f} behind"
     titles = {"speed [km/h]": "distance of the head [m]"}

@@ -46,7 +46,7 @@ LEVELS = {1: "point", 2: "planar"}
 
 
 @dataclass(frozen=True)
-class Stop:
+class MixedStop:
     """Results of a run: largest compression [N], distance of the head [m], times and forces at both couplers."""
 
     compression: float
@@ -54,13 +54,13 @@ class Stop:
     course: Recording
 
 
-def emergency(level: int, way: str, size: float, long: float) -> Stop:
+def emergency(level: int, way: str, size: float, long: float) -> MixedStop:
     """Brake the mixed train."""
     one = mixed(screw_coupler(), level, way)
     one.train.drive("emergency")
     for _ in range(round(long / size)):
         one.step(size)
-    return Stop(one.train.largest_compression, float(one.train.distance[0]), _course(one, size))
+    return MixedStop(one.train.largest_compression, float(one.train.distance[0]), _course(one, size))
 
 
 def _course(one: MixedTrain, size: float) -> Recording:
@@ -100,7 +100,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, shown.course, lambda: draw(stops, whole, steps), parameters, seconds, said)
 
 
-def default_rows(whole: tuple[float, float], point: Stop, planar: Stop, shown: Stop) -> list[Row]:
+def default_rows(whole: tuple[float, float], point: MixedStop, planar: MixedStop, shown: MixedStop) -> list[Row]:
     """Return the default method against one system, and at the planar level against a fine step of another method."""
     rows = []
     pairs = (
@@ -159,7 +159,7 @@ def boundary_rows(borders: Mapping[tuple[str, str, int], Border]) -> list[Row]:
     return [*rows, measured(quantity, "1", 1e3 * SHOWN / smallest, "eigenvalues", at_most(0.5))]
 
 
-def draw(stops: Mapping[tuple[str, float], Stop], whole: tuple[float, float], sizes: Sequence[float]) -> Figure:
+def draw(stops: Mapping[tuple[str, float], MixedStop], whole: tuple[float, float], sizes: Sequence[float]) -> Figure:
     corrected, held = (100 * abs(stops[way, sizes[-1]].distance - whole[1]) for way in (DEFAULT, "held"))
     steps = [1e3 * size for size in sizes]
     message = f"At {steps[-1]:g} ms {DEFAULT} copies err by {corrected:.0f} cm, held {held:.0f} cm"

@@ -38,7 +38,7 @@ CLOSED, ONSET = 1e-3, 0.02
 
 
 @dataclass(frozen=True)
-class Run:
+class TorsionRun:
     """The outputs of one run over time, its steps, and its largest values."""
 
     table: dict[str, np.ndarray]
@@ -49,7 +49,7 @@ class Run:
         return float(np.abs(self.table[name]).max())
 
 
-def pull(shafts: int, torque: float, ramp: bool) -> Run:
+def pull(shafts: int, torque: float, ramp: bool) -> TorsionRun:
     """Pull by a step of torque or by a ramp."""
     kernel = prepare(NAME, shafts=shafts, initial_speed=SPEED, friction_1=FRICTION, friction_2=FRICTION)
     kernel.initialise()
@@ -63,7 +63,7 @@ def pull(shafts: int, torque: float, ramp: bool) -> Run:
         kernel.set(torque_demand=torque)
         parts.append(kernel.record(DURATION - RAMP, INTERVAL, list(OUTPUTS)))
     table = {name: np.concatenate([np.array(part[name]) for part in parts]) for name in ("time", *OUTPUTS)}
-    return Run(table, kernel.counts["steps"])
+    return TorsionRun(table, kernel.counts["steps"])
 
 
 def frequency(shafts: int) -> float:
@@ -171,7 +171,7 @@ def closed_forms() -> list[Row]:
     ]
 
 
-def errors(runs: dict[int, Run]) -> dict[int, dict[str, float]]:
+def errors(runs: dict[int, TorsionRun]) -> dict[int, dict[str, float]]:
     """Return the errors of each choice of shafts against elastic ones [%]."""
     best = runs[BOTH_ELASTIC]
     return {
@@ -203,7 +203,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, Recording(units, np.array(columns).T), lambda: draw(runs), parameters, seconds, [remark])
 
 
-def draw(runs: dict[str, dict[int, Run]]) -> Figure:
+def draw(runs: dict[str, dict[int, TorsionRun]]) -> Figure:
     """Draw torque and wheel speed beyond adhesion, and the error of the axle's torque over the cost."""
     slow, _, fast = (errors(of)[RIGID]["largest torque of the axle"] for of in runs.values())
     message = f"Rigid shafts: error {abs(slow):.1f} % on a ramp, {abs(fast):.0f} % beyond adhesion"

@@ -28,7 +28,7 @@ HALF_OF_IT = 0.5
 
 
 @dataclass(frozen=True)
-class Findings:
+class VehicleStops:
     """Stops by rail, protected and not, and ideal distances by rail [m]."""
 
     protected: dict[str, Stop]
@@ -36,7 +36,7 @@ class Findings:
     ideal: dict[str, float]
 
 
-def measure(rails: Sequence[RailCase]) -> Findings:
+def measure(rails: Sequence[RailCase]) -> VehicleStops:
     settings, names = Settings(), [rail.name for rail in rails]
     runs = [Run(rail.values(len(NUMBERS))) for rail in rails]
     protected, unprotected = (
@@ -44,7 +44,7 @@ def measure(rails: Sequence[RailCase]) -> Findings:
         for make in (SlideProtection, None)
     )
     ideal = [PeakAdhesion(coach(), run.values).stopping_distance(settings.speed) for run in runs]
-    return Findings(protected, unprotected, dict(zip(names, ideal, strict=True)))
+    return VehicleStops(protected, unprotected, dict(zip(names, ideal, strict=True)))
 
 
 def force_over_load(stop: Stop) -> list[float]:
@@ -55,7 +55,7 @@ def force_over_load(stop: Stop) -> list[float]:
     return used
 
 
-def rows_of(found: Findings) -> list[Row]:
+def rows_of(found: VehicleStops) -> list[Row]:
     rows = []
     source = "planar vehicle, 25 m/s, full brake, four cylinders, four encoders, one controller"
     for name, stop in found.protected.items():
@@ -97,7 +97,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows_of(found), series, lambda: draw(found), parameters, sum(stop.time for stop in stops), remarks)
 
 
-def draw(found: Findings) -> Figure:
+def draw(found: VehicleStops) -> Figure:
     figure, grid = plt.subplots(2, 2, figsize=(11.0, 7.0), sharex="col")
     for column, (name, stop) in enumerate(found.protected.items()):
         series = stop.course.recording(coach().parameters.wheel_radius)

@@ -45,7 +45,7 @@ class Braking:
 
 
 @dataclass(frozen=True)
-class Findings:
+class CoupledRuns:
     """Runs by macro step: coupled, by master; composed, by tolerance; and the distance of reference [m]."""
 
     coupled: dict[str, dict[float, Braking]]
@@ -82,7 +82,7 @@ def coupled(machine: CoupledMachine, master: Master, step: float) -> Braking:
     return Braking(machine.vehicle["distance"], clock.perf_counter() - begin)
 
 
-def measure(steps: Sequence[float]) -> Findings:
+def measure(steps: Sequence[float]) -> CoupledRuns:
     with ExitStack() as stack:
         one = stack.enter_context(FmuInstance(up_to_date("braked-vehicle", "native")))
         five = stack.enter_context(CoupledMachine("vehicle", coach().numbers))
@@ -96,7 +96,7 @@ def measure(steps: Sequence[float]) -> Findings:
                 bar.update()
             return found
 
-        return Findings(
+        return CoupledRuns(
             {name: each((s, coupled(five, master, s)) for s in steps) for name, master in MASTERS.items()},
             {tolerance: each((s, composed(one, tolerance, s)) for s in steps) for tolerance in (TIGHT, DEFAULT)},
             composed(one, TIGHT / 100, DURATION).distance,
@@ -108,7 +108,7 @@ def order(errors: Mapping[float, float]) -> float:
     return float(np.polyfit(np.log(list(errors)), np.log(list(errors.values())), 1)[0])
 
 
-def rows_of(found: Findings) -> list[Row]:
+def rows_of(found: CoupledRuns) -> list[Row]:
     source = "difference of BrakedVehicle.fmu and its parts coupled"
     rows = []
     for name, runs in found.coupled.items():
@@ -147,7 +147,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows_of(found), series, lambda: draw(found), dict(coach_brake().values()), DURATION, remarks)
 
 
-def draw(found: Findings) -> Figure:
+def draw(found: CoupledRuns) -> Figure:
     figure, axes = plt.subplots(1, 2, figsize=(11.0, 4.8), sharey=True)
     curves = [
         ("coupled, held", found.coupled["held"], TRAILING, "o"),

@@ -30,7 +30,7 @@ BAND = 2e-3
 
 
 @dataclass(frozen=True)
-class Case:
+class HuntingVehicle:
     """A vehicle, its expected critical speed [m/s], and whether its body hunts or its bogies."""
 
     name: str
@@ -40,12 +40,12 @@ class Case:
 
 
 CASES = (
-    Case("as published", {}, (70.0, 110.0), body=False),
-    Case("lateral dampers failed", {"secondary_lateral_damping": 0.0}, (22.0, 32.0), body=True),
+    HuntingVehicle("as published", {}, (70.0, 110.0), body=False),
+    HuntingVehicle("lateral dampers failed", {"secondary_lateral_damping": 0.0}, (22.0, 32.0), body=True),
 )
 
 
-def run_at(case: Case, speed: float, **more: float) -> Kernel:
+def run_at(case: HuntingVehicle, speed: float, **more: float) -> Kernel:
     """Return the vehicle at a constant speed; small motions on the treads need no flange."""
     values = {**RIGID, **AS_PUBLISHED, **case.values, **more, "tolerance": TOLERANCE}
     values["rolling_resistance_torque"] = DRAG
@@ -89,7 +89,7 @@ def body_share(mode: Mode) -> float | None:
     return float(parts["body"] / across) if across > ACROSS * (across + parts["along"]) else None
 
 
-def hunting(case: Case, speed: float, body: bool) -> Mode | None:
+def hunting(case: HuntingVehicle, speed: float, body: bool) -> Mode | None:
     """Return the least stable motion across the track in which the body has more than half of the energy, or less."""
     kernel = run_at(case, speed)
     kernel.advance(SETTLED)
@@ -99,13 +99,13 @@ def hunting(case: Case, speed: float, body: bool) -> Mode | None:
     return max(chosen, key=lambda mode: mode.growth, default=None)
 
 
-def growth(case: Case, speed: float) -> float:
+def growth(case: HuntingVehicle, speed: float) -> float:
     """Return the growth of the motion that is expected to hunt [1/s]."""
     mode = hunting(case, speed, case.body)
     return mode.growth if mode else -np.inf
 
 
-def growth_in_time(case: Case, speed: float) -> float:
+def growth_in_time(case: HuntingVehicle, speed: float) -> float:
     """Return the growth of the same motion in a run after a small wave of the track [1/s].
 
     Its amplitude is the projection of the state on the left eigenvector, to which all other motions are orthogonal.
@@ -142,7 +142,7 @@ class Onset:
     mode: Mode
 
 
-def onset(case: Case) -> Onset:
+def onset(case: HuntingVehicle) -> Onset:
     speed = critical_speed(lambda v: growth(case, v), *case.between)
     around = np.array([0.995, 1.005]) * speed
     slopes = [growth_in_time(case, float(v)) for v in around]

@@ -151,7 +151,7 @@ def cost(name: str, level: int) -> float:
 
 
 @dataclass(frozen=True)
-class Findings:
+class VehicleAgainstBogie:
     """Differences by (friction, share), first locks by (name, friction), costs by (name, level) [s]."""
 
     differences: dict[tuple[float, float], Difference]
@@ -159,14 +159,16 @@ class Findings:
     costs: dict[tuple[str, int], float]
 
 
-def measure() -> Findings:
+def measure() -> VehicleAgainstBogie:
     points = [(friction, share) for friction in FRICTIONS for share in SHARES]
     differences = {point: differ(*point) for point in counting(points, unit="point")}
     locks = {(name, friction): first_lock(name, friction) for name in OWN for friction in FRICTIONS}
-    return Findings(differences, locks, {(name, level): cost(name, level) for name in OWN for level in LEVELS})
+    return VehicleAgainstBogie(
+        differences, locks, {(name, level): cost(name, level) for name in OWN for level in LEVELS}
+    )
 
 
-def rows_of(found: Findings) -> list[Row]:
+def rows_of(found: VehicleAgainstBogie) -> list[Row]:
     rolling = [one for (_, share), one in found.differences.items() if share < 0.9]
     error, missing = max(abs(one.distance) for one in rolling), max(one.missing for one in rolling)
     largest, words = "one bogie: error of the distance, largest", "torques up to 0.8 of the static limit"
@@ -202,7 +204,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows_of(found), series, lambda: draw(found), dict(VALUES[ONE]), len(table) * 2 * DURATION, remarks)
 
 
-def draw(found: Findings) -> Figure:
+def draw(found: VehicleAgainstBogie) -> Figure:
     figure, axes = plt.subplots(1, 3, figsize=(13.0, 4.4))
     for friction, colour in zip(FRICTIONS, THREE, strict=True):
         chosen = {share: one for (mu, share), one in found.differences.items() if mu == friction}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evidence.numerics.thesis_step import GRID, RUNS, Run, thesis_reading
+from evidence.numerics.thesis_step import GRID, RUNS, PrintedRun, thesis_reading
 
 #: Below the limit: RK4 at 0.4 ms and RODAS5P at its default tolerance of 1e-6 agree to 1e-7 on the largest shift.
 BELOW_BAND = 1e-6
@@ -13,7 +13,7 @@ BELOW_BAND = 1e-6
 ORDER, ORDER_BAND = 4.0, 0.1
 
 
-def run_of(words: str) -> Run:
+def run_of(words: str) -> PrintedRun:
     """Return the run with a published number of this name."""
     return next(run for run in RUNS if any(words in printed.quantity for printed in run.printed))
 

@@ -9,7 +9,7 @@ import pytest
 
 from evidence.comparisons import throughput
 from evidence.measuring import throughput as rates
-from evidence.measuring.runs import Run
+from evidence.measuring.runs import SceneRun
 from evidence.peers import ensembles
 from evidence.peers.ensembles import ALONE, BATCH, IN_THREADS, Rate, Study
 from fmu_src.batch import Instances, library_of_batch
@@ -61,13 +61,13 @@ def test_all_stops_of_a_pool_count_and_one_that_fails_is_told() -> None:
     exact = np.full(4, 200.0)
     asked: list[float] = []
 
-    def work(torque: float) -> Run:
+    def work(torque: float) -> SceneRun:
         asked.append(torque)
-        return Run({"frame_distance": np.array([0.0, 200.2])}, 1.0)
+        return SceneRun({"frame_distance": np.array([0.0, 200.2])}, 1.0)
 
     with ThreadPoolExecutor(1) as pool:
         good = ensembles.rate_of("planar", IN_THREADS, 1e-5, exact, pool, work, 5)
-        bad = ensembles.rate_of("planar", IN_THREADS, 1e-5, exact, pool, lambda _: Run({}, 1.0, failure="no"), 1)
+        bad = ensembles.rate_of("planar", IN_THREADS, 1e-5, exact, pool, lambda _: SceneRun({}, 1.0, failure="no"), 1)
     assert asked == 2 * np.linspace(*ensembles.TORQUES, 4).tolist()
     assert good.error == pytest.approx(1e-3)
     assert (bad.error, bad.reason) == (None, "no")
