@@ -2,131 +2,50 @@
 
 from importlib import import_module
 from importlib.util import find_spec
+from types import ModuleType
 
 from bogie_braking.reporting.scenario import BadInputError, Scenario
 from fmu_src.suggestion import suggestion
-from scenarios.brakes import (
-    anti_skid,
-    block_friction,
-    brake_surface,
-    brake_timing,
-    controller_prototype,
-    demo,
-    etcs_low_adhesion,
-    sanding,
-    uneven_brakes,
-)
-from scenarios.contact import contact_manchester, flange_climb
-from scenarios.coupling import coupling_step
-from scenarios.lines import curve_braking, curve_steering, flexible_track, gradient, line_from_file, transition
-from scenarios.thesis import (
-    asymmetric_braking,
-    bogie_irregularities,
-    bogie_lateral_under_torque,
-    bogie_pitch,
-    bogie_skid,
-    contact_geometry,
-    creep_forces,
-    critical_speed,
-    heavy_braking,
-    lock_boundary,
-    qr30,
-    traction_braking,
-    wheelset_constant_speed,
-    wheelset_skid,
-    wheelset_torque,
-    wheelset_variable_speed,
-)
-from scenarios.trains import (
-    braking_distance,
-    train_brake_models,
-    train_brakes,
-    train_braking,
-    train_build_up,
-    train_coupling,
-    train_descent,
-    train_low_adhesion,
-    train_one_vehicle_in_detail,
-    train_parts,
-    train_release,
-    train_standing,
-    train_timetable,
-    train_track_brakes,
-)
-from scenarios.vehicles import (
-    drive_torsion,
-    vehicle_anti_skid,
-    vehicle_braking,
-    vehicle_composed,
-    vehicle_hunting,
-    vehicle_modes,
-    vehicle_or_bogie,
-)
 
-SCENARIOS: list[Scenario] = [
-    demo.SCENARIO,
-    *qr30.SCENARIOS,
-    lock_boundary.SCENARIO,
-    brake_timing.SCENARIO,
-    brake_surface.SCENARIO,
-    block_friction.SCENARIO,
-    sanding.SCENARIO,
-    etcs_low_adhesion.SCENARIO,
-    traction_braking.SCENARIO,
-    heavy_braking.SCENARIO,
-    contact_geometry.SCENARIO,
-    creep_forces.SCENARIO,
-    contact_manchester.SCENARIO,
-    flange_climb.SCENARIO,
-    wheelset_constant_speed.SCENARIO,
-    wheelset_torque.SCENARIO,
-    wheelset_variable_speed.SCENARIO,
-    wheelset_skid.SCENARIO,
-    critical_speed.SCENARIO,
-    *bogie_irregularities.SCENARIOS,
-    bogie_pitch.SCENARIO,
-    bogie_lateral_under_torque.SCENARIO,
-    bogie_skid.SCENARIO,
-    asymmetric_braking.SCENARIO,
-    anti_skid.SCENARIO,
-    controller_prototype.SCENARIO,
-    uneven_brakes.SCENARIO,
-    vehicle_modes.SCENARIO,
-    vehicle_hunting.SCENARIO,
-    vehicle_braking.SCENARIO,
-    vehicle_anti_skid.SCENARIO,
-    vehicle_composed.SCENARIO,
-    vehicle_or_bogie.SCENARIO,
-    drive_torsion.SCENARIO,
-    braking_distance.SCENARIO,
-    curve_steering.SCENARIO,
-    line_from_file.SCENARIO,
-    flexible_track.SCENARIO,
-    transition.SCENARIO,
-    gradient.SCENARIO,
-    curve_braking.SCENARIO,
-    train_braking.SCENARIO,
-    train_brakes.SCENARIO,
-    train_release.SCENARIO,
-    train_build_up.SCENARIO,
-    train_brake_models.SCENARIO,
-    train_coupling.SCENARIO,
-    train_descent.SCENARIO,
-    train_low_adhesion.SCENARIO,
-    train_parts.SCENARIO,
-    train_standing.SCENARIO,
-    train_timetable.SCENARIO,
-    train_track_brakes.SCENARIO,
-    train_one_vehicle_in_detail.SCENARIO,
-    coupling_step.SCENARIO,
-]
-#: Scenarios of evidence/, which a checkout has and a wheel has not (hatch_build.py).
-EVIDENCE = (
-    *("contact-model", "creep-laws", "sensitivity", "oracle", "levels", "levels-in-curves", "speed", "stability-atlas"),
-    *("thesis-step", "train-brake-evidence", "speed-accuracy", "throughput", "train-methods"),
+#: Files of scenarios by folder, in the order in which they are listed.
+FILES = (
+    ("brakes", "demo"),
+    ("thesis", "qr30 lock_boundary"),
+    ("brakes", "brake_timing brake_surface block_friction sanding etcs_low_adhesion"),
+    ("thesis", "traction_braking heavy_braking contact_geometry creep_forces"),
+    ("contact", "contact_manchester flange_climb"),
+    ("thesis", "wheelset_constant_speed wheelset_torque wheelset_variable_speed wheelset_skid critical_speed"),
+    ("thesis", "bogie_irregularities bogie_pitch bogie_lateral_under_torque bogie_skid asymmetric_braking"),
+    ("brakes", "anti_skid controller_prototype uneven_brakes"),
+    ("vehicles", "vehicle_modes vehicle_hunting vehicle_braking vehicle_anti_skid vehicle_composed vehicle_or_bogie"),
+    ("vehicles", "drive_torsion"),
+    ("trains", "braking_distance"),
+    ("lines", "curve_steering line_from_file flexible_track transition gradient curve_braking"),
+    ("trains", "train_braking train_brakes train_release train_build_up train_brake_models train_coupling"),
+    ("trains", "train_descent train_low_adhesion train_parts train_standing train_timetable train_track_brakes"),
+    ("trains", "train_one_vehicle_in_detail"),
+    ("coupling", "coupling_step"),
 )
+#: Scenarios of evidence/ with their folders, which a checkout has and a wheel has not (hatch_build.py).
+EVIDENCE = {
+    **{"train-brake-evidence": "trains", "contact-model": "contact", "creep-laws": "contact"},
+    **{"sensitivity": "numerics", "oracle": "numerics", "levels": "numerics", "levels-in-curves": "numerics"},
+    **{"speed": "numerics", "stability-atlas": "numerics", "thesis-step": "numerics"},
+    **{"speed-accuracy": "comparisons", "throughput": "comparisons", "train-methods": "comparisons"},
+}
+MODULES: list[ModuleType] = [
+    import_module(f"{__package__}.{folder}.{name}") for folder, names in FILES for name in names.split()
+]
 if __package__ == "scenarios" and find_spec("evidence"):
-    SCENARIOS += import_module("evidence.catalogue").SCENARIOS
+    MODULES += [import_module(f"evidence.{folder}.{name.replace('-', '_')}") for name, folder in EVIDENCE.items()]
+
+
+def scenarios_of(module: ModuleType) -> list[Scenario]:
+    """Return the scenarios of a file."""
+    return getattr(module, "SCENARIOS", None) or [module.SCENARIO]
+
+
+SCENARIOS = [scenario for module in MODULES for scenario in scenarios_of(module)]
 
 
 def find(name: str) -> Scenario:

@@ -7,8 +7,7 @@ from types import ModuleType
 from pages import DOCS, write_or_check
 
 from bogie_braking.reporting.scenario import Scenario
-from evidence import catalogue as of_evidence
-from scenarios import catalogue
+from scenarios.catalogue import MODULES, scenarios_of
 
 PAGE = DOCS / "scenarios.md"
 HEAD = """# Scenarios
@@ -27,16 +26,9 @@ and its table. `docs/generate/catalogue.py` writes this page from `scenarios/cat
 def modules() -> dict[str, list[ModuleType]]:
     """The files that hold scenarios, by the room they are in."""
     found: dict[str, list[ModuleType]] = {}
-    for module in (*vars(catalogue).values(), *vars(of_evidence).values()):
-        if isinstance(module, ModuleType) and scenarios_of(module):
-            found.setdefault(module.__name__.rpartition(".")[0], []).append(module)
+    for module in sorted(MODULES, key=lambda one: (one.__name__.startswith("evidence."), one.__name__)):
+        found.setdefault(module.__name__.rpartition(".")[0], []).append(module)
     return found
-
-
-def scenarios_of(module: ModuleType) -> list[Scenario]:
-    """The scenarios of a file; none where it is not one of theirs."""
-    one = getattr(module, "SCENARIO", None)
-    return [one] if one else list(getattr(module, "SCENARIOS", []))
 
 
 def options(scenario: Scenario) -> str:

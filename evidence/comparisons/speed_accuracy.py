@@ -28,7 +28,17 @@ from evidence.measuring.scenes import (
 )
 from evidence.peers import sundials
 from evidence.peers.exchange import EXCHANGE
-from evidence.peers.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, oracle_point, study, table_of, works
+from evidence.peers.work_precision import (
+    DEFAULT,
+    OMITTED,
+    PEERS,
+    MethodPoint,
+    Study,
+    oracle_point,
+    study,
+    table_of,
+    works,
+)
 from rbd_model.levels.models import DEFAULT_TOLERANCE
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 
@@ -286,7 +296,7 @@ def draw_scene(axis: Axes, one: Study, against: str, handles: dict[str, Artist])
     axis.set(xscale="log", yscale="log", ylim=(LEAST, 2 * FAILED))
 
 
-def mark_default(axis: Axes, point: Point, against: str) -> None:
+def mark_default(axis: Axes, point: MethodPoint, against: str) -> None:
     if point.error is None:
         return
     axis.plot(getattr(point, against), max(point.error, LEAST), "o", color="#0072b2", markersize=12, fillstyle="none")

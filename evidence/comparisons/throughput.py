@@ -11,7 +11,7 @@ from bogie_braking.reporting.plots import label_edges, plt, titled
 from bogie_braking.reporting.report import Report, Row, at_most, measured
 from bogie_braking.reporting.scenario import Options, Scenario
 from evidence.peers import ensembles, sundials
-from evidence.peers.ensembles import ALONE, BATCH, FIXED, IN_PROCESSES, IN_THREADS, PEERS, Study
+from evidence.peers.ensembles import ALONE, BATCH, FIXED, IN_PROCESSES, IN_THREADS, PEERS, EnsembleStudy
 from evidence.peers.work_precision import table_of
 from rbd_model.levels.models import DEFAULT_TOLERANCE
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
@@ -31,7 +31,7 @@ STYLE = {
 FAILED, LEAST = 1.0, 1e-11
 
 
-def level_rows(found: Study, level: str) -> list[Row]:
+def level_rows(found: EnsembleStudy, level: str) -> list[Row]:
     """Return the rows with limits, errors and bit identity; and stops a second at the default, and at the needed error
     against third-party methods.
     """
@@ -62,7 +62,7 @@ def level_rows(found: Study, level: str) -> list[Row]:
     return rows
 
 
-def message(found: Study) -> str:
+def message(found: EnsembleStudy) -> str:
     """Return how many times as many stops a batch makes at its default as others do to WANTED, or as one instance."""
     ways, who = (PEERS, "others'") if found.fastest("planar", PEERS, WANTED) else ((ALONE,), "one instance's")
     times = []
@@ -95,7 +95,7 @@ def run(options: Options, quick: bool = False) -> Report:
 # ---- the figure ------------------------------------------------------------------------------------------------------
 
 
-def draw(found: Study) -> Figure:
+def draw(found: EnsembleStudy) -> Figure:
     figure, grid = plt.subplots(1, len(ensembles.LEVELS), figsize=(11.0, 5.6), sharey=True, squeeze=False)
     handles: dict[str, Artist] = {}
     for axis, level in zip(grid.ravel(), ensembles.LEVELS, strict=True):
@@ -105,7 +105,7 @@ def draw(found: Study) -> Figure:
     return titled(figure, message(found))
 
 
-def draw_level(axis: Axes, found: Study, level: str, handles: dict[str, Artist]) -> None:
+def draw_level(axis: Axes, found: EnsembleStudy, level: str, handles: dict[str, Artist]) -> None:
     axis.set_title(f"bogie, {level}; lower right is better")
     axis.axhspan(LEAST, max(found.uncertainty[level], LEAST), color="#dddddd", zorder=0)
     axis.axhline(WANTED, color="#999999", linewidth=0.8)

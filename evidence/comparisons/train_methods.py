@@ -62,7 +62,7 @@ STYLES = {EXPLICIT: "o-", EULER: "^--", MIDPOINT: "v-", SPLIT: "s:", "CVODE": "D
 
 
 @dataclass(frozen=True)
-class Point:
+class TrainPoint:
     """A method at one setting on one train: errors of force and distance [1], cost [s]; NaN if it failed."""
 
     force: float
@@ -77,27 +77,27 @@ class Point:
 
 
 #: Points by method and setting, then by train.
-Points = Mapping[tuple[str, float], Mapping[str, Point]]
+Points = Mapping[tuple[str, float], Mapping[str, TrainPoint]]
 
 
 @dataclass(frozen=True)
-class Study:
+class TrainStudy:
     """Both trains by all methods; apart: the product's finest steps against the reference, which is the source.
 
     scatter: of the largest compression, by number of wagons [1].
     """
 
     points: Points
-    apart: Mapping[str, Point]
+    apart: Mapping[str, TrainPoint]
     scatter: Mapping[int, float]
     costs: Costs
     source: str
 
     @property
-    def default(self) -> Mapping[str, Point]:
+    def default(self) -> Mapping[str, TrainPoint]:
         return self.points[EXPLICIT, SHARE]
 
-    def both(self, method: str) -> dict[float, Point]:
+    def both(self, method: str) -> dict[float, TrainPoint]:
         """Return the larger errors and the cost of both trains, by setting."""
         return {at: _joined(list(trains.values())) for (name, at), trains in self.points.items() if name == method}
 
@@ -122,36 +122,36 @@ class Study:
         return cost / own.cost, name
 
 
-def _joined(points: list[Point]) -> Point:
+def _joined(points: list[TrainPoint]) -> TrainPoint:
     """Return the larger errors of several trains, and the cost of all."""
     reason = next((one.reason for one in points if one.reason), "")
     force, distance = max(one.force for one in points), max(one.distance for one in points)
     if reason:
         force = distance = math.nan
-    return Point(force, distance, sum(one.cost for one in points), reason)
+    return TrainPoint(force, distance, sum(one.cost for one in points), reason)
 
 
-def study(quick: bool) -> tuple[Study, Mapping[str, BrakedTrain]]:
+def study(quick: bool) -> tuple[TrainStudy, Mapping[str, BrakedTrain]]:
     trains = {name: braked_train(load) for name, load in LOADS.items()}
     costs = measured_costs(trains[EMPTY].consist)
     references = {name: one.reference() for name, one in counting(trains.items(), "references", unit="train")}
     apart = {name: _point(one.explicit(CHECK), references[name][0], costs) for name, one in trains.items()}
     scatter = {few: braked_train(LOADS[EMPTY], few).scatter(STEADY, CHANGES) for few in (QUICK_FEW if quick else FEW)}
-    points: dict[tuple[str, float], dict[str, Point]] = {}
+    points: dict[tuple[str, float], dict[str, TrainPoint]] = {}
     works = [(method, name) for method in METHODS for name in LOADS if method != "CVODE" or sundials.is_installed()]
     for method, name in counting(works, "methods", unit="train"):
         settings = QUICK[method] if quick else METHODS[method][1]
         for setting, point in _along(method, settings, trains[name], references[name][0], costs).items():
             points.setdefault((method, setting), {})[name] = point
-    return Study(points, apart, scatter, costs, references[EMPTY][1]), trains
+    return TrainStudy(points, apart, scatter, costs, references[EMPTY][1]), trains
 
 
 def _along(
     method: str, settings: Sequence[float], train: BrakedTrain, reference: CouplerRun, costs: Costs
-) -> dict[float, Point]:
+) -> dict[float, TrainPoint]:
     """Return all settings; after one over the work limit, finer ones are not run."""
     work = METHODS[method][0]
-    found: dict[float, Point] = {}
+    found: dict[float, TrainPoint] = {}
     given_up = ""
     for setting in settings:
         one = CouplerRun(math.nan, math.nan, reason=given_up) if given_up else work(train, setting)
@@ -160,9 +160,9 @@ def _along(
     return found
 
 
-def _point(one: CouplerRun, reference: CouplerRun, costs: Costs) -> Point:
+def _point(one: CouplerRun, reference: CouplerRun, costs: Costs) -> TrainPoint:
     force, distance = one.compression / reference.compression - 1, one.distance / reference.distance - 1
-    return Point(abs(force), abs(distance), costs.of(one), one.reason)
+    return TrainPoint(abs(force), abs(distance), costs.of(one), one.reason)
 
 
 def run(options: Options, quick: bool = False) -> Report:
@@ -180,7 +180,7 @@ def brakes_of(train: BrakedTrain) -> Recording:
     return Recording({"time": "s", "brake_head": "N", "brake_middle": "N", "brake_end": "N"}, rows)
 
 
-def judged_rows(found: Study) -> list[Row]:
+def judged_rows(found: TrainStudy) -> list[Row]:
     rows = []
     for name, one in found.default.items():
         apart, checked = found.apart[name], f"{found.source}, against explicit, share {CHECK:g}"
@@ -196,7 +196,7 @@ def judged_rows(found: Study) -> list[Row]:
     return [*rows, *ratio_rows(found)]
 
 
-def ratio_rows(found: Study) -> list[Row]:
+def ratio_rows(found: TrainStudy) -> list[Row]:
     """Return other methods against the default and explicit steps, with one setting for both trains, also where finer
     runs pass too.
     """
@@ -210,7 +210,7 @@ def ratio_rows(found: Study) -> list[Row]:
     return [*rows, measured(text, "1", other / own, f"{which}; {by}; one setting for both trains")]
 
 
-def alone_rows(found: Study) -> list[Row]:
+def alone_rows(found: TrainStudy) -> list[Row]:
     """Return the rows of each train by itself: other methods against the default, and the cheapest explicit steps."""
     rows = []
     for name in LOADS:
@@ -222,7 +222,7 @@ def alone_rows(found: Study) -> list[Row]:
     return rows
 
 
-def cost_rows(found: Study) -> list[Row]:
+def cost_rows(found: TrainStudy) -> list[Row]:
     """Return the measured costs, and the scatter due to slack."""
     rows = [
         measured("one evaluation of all couplers and vehicles", "us", 1e6 * found.costs.evaluation, "measured"),
@@ -236,7 +236,7 @@ def cost_rows(found: Study) -> list[Row]:
     return [*rows, measured(f"{EMPTY}: references apart, of distance", "%", apart, found.source)]
 
 
-def point_rows(found: Study) -> list[Row]:
+def point_rows(found: TrainStudy) -> list[Row]:
     rows = []
     for (method, setting), trains in found.points.items():
         for name, one in trains.items():
@@ -246,7 +246,7 @@ def point_rows(found: Study) -> list[Row]:
     return rows
 
 
-def remarks(found: Study) -> list[str]:
+def remarks(found: TrainStudy) -> list[str]:
     met = max(share for share, one in found.both(EXPLICIT).items() if one.meets)
     ratio, which = found.ratio()
     chaotic = {few: scatter for few, scatter in found.scatter.items() if scatter > FORCE}
@@ -271,7 +271,7 @@ def remarks(found: Study) -> list[str]:
     return remarks
 
 
-def draw(found: Study) -> Figure:
+def draw(found: TrainStudy) -> Figure:
     figure, axis = single(
         f"The cheapest other method costs {found.ratio()[0]:.1f} times explicit steps to {100 * FORCE:g} %",
         "error of the largest compression, the worse of both trains [%]",
@@ -291,7 +291,7 @@ def draw(found: Study) -> Figure:
     return figure
 
 
-def mark_default(found: Study, axis: Axes) -> None:
+def mark_default(found: TrainStudy, axis: Axes) -> None:
     one = found.both(EXPLICIT)[SHARE]
     place = (100 * one.force, 1e3 * one.cost)
     axis.plot(*place, "o", markersize=14, markerfacecolor="none", color=GREY)

@@ -186,6 +186,7 @@ class LevelComparison:
     boundaries: of the leading and the trailing wheelset; costs: seconds by level and utilisation.
     """
 
+    utilisations: Sequence[float]
     stops: Mapping[str, Sequence[Answers]]
     cone: Sequence[Answers]
     boundaries: Mapping[str, tuple[float | None, float | None]]
@@ -193,7 +194,7 @@ class LevelComparison:
 
     def largest_error(self, stops: Sequence[Answers], question: str, low: float = 0.0, high: float = math.inf) -> float:
         """Return the largest error over the utilisations from low to high."""
-        chosen = (np.array(UTILISATIONS) >= low) & (np.array(UTILISATIONS) <= high)
+        chosen = (np.array(self.utilisations) >= low) & (np.array(self.utilisations) <= high)
         return float(np.nanmax(error(stops, self.stops["spatial"], question)[chosen]))
 
     def trailing_boundary(self, level: str) -> float:
@@ -203,20 +204,22 @@ class LevelComparison:
         return limit
 
 
-def measure(repeats: int = REPEATS) -> LevelComparison:
-    stops = sweep(UTILISATIONS)
+def measure(
+    utilisations: Sequence[float] = UTILISATIONS, costed: Sequence[float] = COSTED, repeats: int = REPEATS
+) -> LevelComparison:
+    stops = sweep(utilisations)
     friction = FRICTION * adhesion_of_the_cone()
-    cone = [stop(start(2, friction=friction), utilisation) for utilisation in UTILISATIONS]
+    cone = [stop(start(2, friction=friction), utilisation) for utilisation in utilisations]
     boundaries = {name: (lock_boundary(level, 1), lock_boundary(level, 2)) for level, name in LEVELS.items()}
     costs = {
-        name: {utilisation: cost(level, utilisation, repeats) for utilisation in COSTED}
+        name: {utilisation: cost(level, utilisation, repeats) for utilisation in costed}
         for level, name in LEVELS.items()
     }
-    return LevelComparison(stops, cone, boundaries, costs)
+    return LevelComparison(utilisations, stops, cone, boundaries, costs)
 
 
 def run(options: Options, quick: bool = False) -> Report:
-    found = measure(1 if quick else REPEATS)
+    found = measure(repeats=1 if quick else REPEATS)
     series = Recording({"utilisation": "1"}, [[utilisation] for utilisation in UTILISATIONS])
     for name, stops in found.stops.items():
         for question, unit in UNITS.items():

@@ -74,7 +74,7 @@ RECORDED = ("lateral_1", "speed", "angular_velocity_1")
 
 
 @dataclass(frozen=True)
-class Outcome:
+class OracleOutcome:
     """Both models' series of one case, and the wall times of both [s]."""
 
     fast: Recording
@@ -122,11 +122,11 @@ def timed(work: Callable[[ComparedRun], Recording], scene: ComparedRun) -> tuple
     return found, time.perf_counter() - begin
 
 
-def compare(scene: ComparedRun) -> Outcome:
+def compare(scene: ComparedRun) -> OracleOutcome:
     by_kernel(scene)  # compiles and warms up
     fast, fast_seconds = timed(by_kernel, scene)
     printed, printed_seconds = timed(by_chapter_3, scene)
-    return Outcome(fast, printed, (fast_seconds, printed_seconds))
+    return OracleOutcome(fast, printed, (fast_seconds, printed_seconds))
 
 
 def run(options: Options, quick: bool = False) -> Report:
@@ -163,7 +163,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, series, lambda: draw(outcomes), {"step": STEP, "tolerance": TOLERANCE}, seconds, [remark])
 
 
-def draw(outcomes: dict[ComparedRun, Outcome]) -> Figure:
+def draw(outcomes: dict[ComparedRun, OracleOutcome]) -> Figure:
     figure, grid = plt.subplots(3, len(outcomes), sharex="col", figsize=(13.0, 8.0))
     for column, (scene, outcome) in enumerate(outcomes.items()):
         upper, middle, lower = grid[:, column]

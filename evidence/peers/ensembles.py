@@ -81,7 +81,7 @@ class Rate:
 
 
 @dataclass(frozen=True)
-class Study:
+class EnsembleStudy:
     """All rates; by level the relative difference of two references, and the difference of batches from single runs
     [m].
     """
@@ -261,10 +261,10 @@ def references(level: str, torques: np.ndarray) -> tuple[np.ndarray, float]:
     return np.array([measures["distance"] for measures, _, _ in found]), max(off for _, off, _ in found)
 
 
-def study(extent: Extent) -> Study:
+def study(extent: Extent) -> EnsembleStudy:
     """Return all rates, with a progress bar."""
     workers = os.cpu_count() or 1
-    found = Study([], {}, {})
+    found = EnsembleStudy([], {}, {})
     per_level = 2 * len(list(settings(extent))) + len(IN_PROCESSES) * len(extent.coarse)
     per_level += len(extent.tolerances) if sundials.is_installed() else 0
     warm_up(0)

@@ -43,7 +43,7 @@ OMITTED = (
 
 
 @dataclass(frozen=True)
-class Point:
+class MethodPoint:
     """One method at one setting: relative error (None: it failed), time [s], right-hand sides, and the reason of a
     failure.
     """
@@ -61,17 +61,17 @@ class Study:
     """All points of a case; `uncertainty`: relative difference of two references of different methods."""
 
     scene: Scene
-    points: list[Point]
+    points: list[MethodPoint]
     uncertainty: float
     references: tuple[str, str]
 
-    def of(self, method: str) -> list[Point]:
+    def of(self, method: str) -> list[MethodPoint]:
         return [point for point in self.points if point.method == method]
 
-    def at(self, method: str, setting: float) -> Point:
+    def at(self, method: str, setting: float) -> MethodPoint:
         return next(point for point in self.of(method) if point.setting == setting)
 
-    def fastest(self, methods: Sequence[str], error: float) -> Point | None:
+    def fastest(self, methods: Sequence[str], error: float) -> MethodPoint | None:
         """Return the fastest point with at most this error."""
         good = [p for m in methods for p in self.of(m) if p.error is not None and p.error <= error]
         return min(good, key=lambda point: point.seconds, default=None)
@@ -188,7 +188,7 @@ def study(scene: Scene, short: bool = False, done: Callable[[str], None] = lambd
     points, late = [], set()
     for name, setting, work in works(scene, short):
         if name in late:  # a finer setting takes longer still
-            points.append(Point(name, setting, None, BUDGET, 0, "not tried: a coarser setting was given up"))
+            points.append(MethodPoint(name, setting, None, BUDGET, 0, "not tried: a coarser setting was given up"))
             continue
         run = repeated(work)
         exact = planar if name == EXCHANGE else measures
@@ -196,12 +196,12 @@ def study(scene: Scene, short: bool = False, done: Callable[[str], None] = lambd
         reason = run.failure
         if run.seconds >= BUDGET and name in GROWING:
             late.add(name)
-        points.append(Point(name, setting, error, run.seconds, run.work.get("right_hand_sides", 0), reason))
+        points.append(MethodPoint(name, setting, error, run.seconds, run.work.get("right_hand_sides", 0), reason))
         done(name)
     return Study(scene, points, uncertainty, references)
 
 
-def oracle_point() -> Point:
+def oracle_point() -> MethodPoint:
     """Run chapter 3 of the thesis on the smooth stop for SHOWN; its time is extrapolated to the whole case."""
     mechanism = Mechanism(as_printed(tables_5_1_and_5_2()), thesis_pair(), 2, derivatives_along(section_5_3()))
     inputs, state = Inputs(brake_torque=(FULL, FULL)), rolling(mechanism, 25.0)
@@ -216,4 +216,4 @@ def oracle_point() -> Point:
     kernel.advance(SHOWN)
     error = max(abs(speed / kernel["speed"] - 1.0), abs((distance - start) / kernel["distance"] - 1.0))
     steps = round(SMOOTH.duration / STEP)
-    return Point("chapter 3 as printed", STEP, error, seconds * SMOOTH.duration / SHOWN, 4 * steps)
+    return MethodPoint("chapter 3 as printed", STEP, error, seconds * SMOOTH.duration / SHOWN, 4 * steps)

@@ -74,7 +74,7 @@ class ShoeCase:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ShoeOutcome:
     """Results of a case: time of rest, or speed at derailment; peaks [m] while it moved; messages."""
 
     series: Recording
@@ -121,7 +121,7 @@ def brake(
     return kernel, play("bogie", kernel, duration, INTERVAL, record, inputs)
 
 
-def run_case(case: ShoeCase, tolerance: float = TOLERANCE) -> Outcome:
+def run_case(case: ShoeCase, tolerance: float = TOLERANCE) -> ShoeOutcome:
     """Run one stop until rest or derailment."""
     kernel, series = brake(case, DURATION, tolerance=tolerance)
     stop = series.first_time(series["speed"] < STANDING)
@@ -129,10 +129,10 @@ def run_case(case: ShoeCase, tolerance: float = TOLERANCE) -> Outcome:
     peaks = [float(np.abs(series[f"lateral_{n}"][moving]).max()) for n in (1, 2)]
     derailed = float(series["speed"][-1]) if kernel["derailed"] else None
     first = [[line for line in kernel.messages if line.startswith(word)][:1] for word in SAID]
-    return Outcome(series, stop, derailed, (peaks[0], peaks[1]), [line for lines in first for line in lines])
+    return ShoeOutcome(series, stop, derailed, (peaks[0], peaks[1]), [line for lines in first for line in lines])
 
 
-def run_all(cases: Sequence[ShoeCase] = CASES) -> dict[ShoeCase, Outcome]:
+def run_all(cases: Sequence[ShoeCase] = CASES) -> dict[ShoeCase, ShoeOutcome]:
     """Run all these cases; they share the compiled library and run in parallel."""
     bogie((), RECORDED)  # the common library is written and compiled once, before the threads load it
     with ThreadPoolExecutor() as pool:

@@ -108,7 +108,7 @@ def seconds(scene: Scene, repeats: int, **values: float) -> float:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class RailsOutcome:
     """A case on rigid and on flexible rails: loads [N] by DAMPINGS, processor times [s]."""
 
     scene: str
@@ -133,16 +133,18 @@ class Outcome:
         return first, second
 
 
-def compare(scene: Scene, repeats: int) -> Outcome:
+def compare(scene: Scene, repeats: int) -> RailsOutcome:
     """Return the results of a case on both kinds of rails."""
     rigid, yielding = (
         [float(peaks(scene, contact_damping=damping, **rails)[0]) for damping in DAMPINGS]
         for rails in (RIGID, YIELDING)
     )
-    return Outcome(scene.name, rigid, yielding, (seconds(scene, repeats, **RIGID), seconds(scene, repeats, **YIELDING)))
+    return RailsOutcome(
+        scene.name, rigid, yielding, (seconds(scene, repeats, **RIGID), seconds(scene, repeats, **YIELDING))
+    )
 
 
-def rows_of(outcome: Outcome) -> list[Row]:
+def rows_of(outcome: RailsOutcome) -> list[Row]:
     """Return the rows. The limit requires that loads on flexible rails do not depend on the assumed damping."""
     (rigid, yielding), scene, most = outcome.spread, outcome.scene, at_most(1e2 * BAND)
     hangs, off = "largest wheel load hangs on contact damping by", "error of the largest wheel load on rigid rails"
@@ -178,7 +180,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, series, partial(draw, series, outcomes, shown.name), {}, 0.0, [note])
 
 
-def draw(series: Recording, outcomes: list[Outcome], shown: str) -> Figure:
+def draw(series: Recording, outcomes: list[RailsOutcome], shown: str) -> Figure:
     needed = sum(one.error > BAND for one in outcomes)
     message = f"Loads on rigid rails are wrong in {needed} of {len(outcomes)} scenes"
     titles = {

@@ -34,8 +34,8 @@ from scenarios.bench.asymmetric_shoes import (
     STOP_TIME,
     TOLERANCE,
     YAW_TORQUE,
-    Outcome,
     ShoeCase,
+    ShoeOutcome,
     brake,
     run_all,
 )
@@ -54,7 +54,7 @@ FITTED = "not judged: the half spacing is fitted to it"
 CONTOUR = "not judged: hangs on the wheel's contour, which is not public"
 
 
-def rows_of(case: ShoeCase, outcome: Outcome) -> list[Row]:
+def rows_of(case: ShoeCase, outcome: ShoeOutcome) -> list[Row]:
     """Return the rows of a case.
 
     With the rotating axis stop times have limits; peaks are compared with the reported ones.
@@ -78,7 +78,7 @@ def rows_of(case: ShoeCase, outcome: Outcome) -> list[Row]:
     return rows
 
 
-def rows_of_derailments(outcomes: dict[ShoeCase, Outcome]) -> list[Row]:
+def rows_of_derailments(outcomes: dict[ShoeCase, ShoeOutcome]) -> list[Row]:
     """Return the number of derailments of each interpretation, without and with a separate flange contact."""
     rows = []
     for reading in (name for pair in ON_PATCHES.items() for name in pair):
@@ -90,7 +90,7 @@ def rows_of_derailments(outcomes: dict[ShoeCase, Outcome]) -> list[Row]:
     return rows
 
 
-def rows_of_loads(outcomes: dict[ShoeCase, Outcome]) -> list[Row]:
+def rows_of_loads(outcomes: dict[ShoeCase, ShoeOutcome]) -> list[Row]:
     """Return the largest load of a flanging wheel if the flange's force acts at the axle's centre (thesis), at the
     rail, and on its patch.
     """
@@ -122,7 +122,7 @@ IMPACTS_REMARK = (
 )
 
 
-def shares_of_peaks(outcomes: dict[ShoeCase, Outcome]) -> list[float]:
+def shares_of_peaks(outcomes: dict[ShoeCase, ShoeOutcome]) -> list[float]:
     """Return the peak shifts over the reported ones, in the thesis's interpretation."""
     return [
         1e3 * found / printed
@@ -134,7 +134,7 @@ def shares_of_peaks(outcomes: dict[ShoeCase, Outcome]) -> list[float]:
     ]
 
 
-def remarks_of(outcomes: dict[ShoeCase, Outcome]) -> list[str]:
+def remarks_of(outcomes: dict[ShoeCase, ShoeOutcome]) -> list[str]:
     """Return remarks on all cases, then the messages of each case."""
     lifting = outcomes[ShoeCase(2, 75, FASTEST, ON_PATCHES[AS_THESIS])]
     shares = shares_of_peaks(outcomes)
@@ -177,7 +177,7 @@ def motion() -> Motion:
     return Motion(f"Braked: {case.name}", vehicle, brake(case, DURATION, motion_columns(vehicle))[1])
 
 
-def message(outcomes: dict[ShoeCase, Outcome]) -> str:
+def message(outcomes: dict[ShoeCase, ShoeOutcome]) -> str:
     """Return the title: the largest shifts at the smallest error in the two interpretations."""
     error = min(YAW_TORQUE)
     printed, physical = (
@@ -187,7 +187,7 @@ def message(outcomes: dict[ShoeCase, Outcome]) -> str:
     return f"Shoes {error}% uneven shift wheelsets {printed:.1f} mm (axis turning), {physical:.1f} mm (fixed)"
 
 
-def draw(outcomes: dict[ShoeCase, Outcome]) -> Figure:
+def draw(outcomes: dict[ShoeCase, ShoeOutcome]) -> Figure:
     """Draw the largest shift of any wheelset over the error of the shoes, with the fastest application of the brake."""
     figure, axis = single(message(outcomes), "error of the shoe forces [%]", "largest lateral shift [mm]")
     for (reading, words), colour, height in zip(READ.items(), (LEADING, TRAILING), (3.4, 11.6), strict=True):
@@ -205,7 +205,7 @@ def draw(outcomes: dict[ShoeCase, Outcome]) -> Figure:
     return figure
 
 
-def draw_depths(outcomes: dict[ShoeCase, Outcome]) -> Figure:
+def draw_depths(outcomes: dict[ShoeCase, ShoeOutcome]) -> Figure:
     """Draw the largest shift with the flange as a spring (3.106), and with a separate flange contact."""
     cases = [ShoeCase(n, error, FASTEST, reading) for reading in READ for n in WHEELSETS for error in YAW_TORQUE]
     spring = [outcomes[case] for case in cases]
@@ -226,7 +226,7 @@ def draw_depths(outcomes: dict[ShoeCase, Outcome]) -> Figure:
     return titled(figure, f"Flanges as springs derail {ends[0]} of {len(cases)} cases, flanges on patches {ends[1]}")
 
 
-def mark_derailed(axis: Axes, x: Iterable[float], y: Iterable[float], outcomes: Iterable[Outcome]) -> None:
+def mark_derailed(axis: Axes, x: Iterable[float], y: Iterable[float], outcomes: Iterable[ShoeOutcome]) -> None:
     """Draw a cross at the points of the cases that derailed."""
     points = [(here, there) for here, there, one in zip(x, y, outcomes, strict=True) if one.derailed_at is not None]
     axis.plot(*np.reshape(points, (-1, 2)).T, **DERAILED)

@@ -43,7 +43,7 @@ OF_BRAKE = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
 
 
 @dataclass(frozen=True)
-class Trial:
+class BrakedRun:
     """One braking: the recording, and time and speed at which the trailing wheelset locked (None: it did not).
 
     `deceleration` [m/s2] is the mean from full application until lock or rest (None: such an interval does not exist).
@@ -57,7 +57,7 @@ class Trial:
     coupling: Mapping[str, float] = field(default_factory=dict)
 
 
-def _judge(series: Recording, guids: Mapping[str, str], applied: float) -> Trial:
+def _judge(series: Recording, guids: Mapping[str, str], applied: float) -> BrakedRun:
     skid = (series["locked_2"] > 0.5) & (series["speed"] > AT_REST)
     time = series.first_time(skid)
     speed = None if time is None else float(np.interp(time, series["time"], series["speed"]))
@@ -66,10 +66,10 @@ def _judge(series: Recording, guids: Mapping[str, str], applied: float) -> Trial
     deceleration = None
     if window.sum() > 2:
         deceleration = -float(np.polyfit(series["time"][window], series["speed"][window], 1)[0])
-    return Trial(series, time, speed, deceleration, guids)
+    return BrakedRun(series, time, speed, deceleration, guids)
 
 
-def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, friction: float = FRICTION) -> Trial:
+def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, friction: float = FRICTION) -> BrakedRun:
     """Couple pressure demand at BRAKE_TIME -> BrakeCylinder -> BogieDynamics, and the wheel speed back.
 
     Takes pressure [kPa].
@@ -102,7 +102,7 @@ def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, fri
 
 def brake_by_history(
     options: Options, pressure: int, times: np.ndarray, torques: np.ndarray, values: Mapping[str, float] | None = None
-) -> Trial:
+) -> BrakedRun:
     """Run with a torque history on the trailing wheelset instead of the brake cylinder, for the length of the history.
 
     Takes pressure [kPa], times [s] (n,), torques [N.m] (n,).
@@ -172,7 +172,7 @@ def motion() -> Motion:
     return Motion(f"{FITTED_TORQUE / 1e3:.2f} kN.m on the trailing wheelset, fitted", vehicle, series)
 
 
-def plain_words(pressure: int, shoe_friction: float, one: Trial) -> str:
+def plain_words(pressure: int, shoe_friction: float, one: BrakedRun) -> str:
     torque = float(np.max(one.series["brake_torque"])) / 1e3
     verdict = (
         "does not lock the trailing wheelset"
@@ -189,7 +189,7 @@ def coasting_in_closed_form() -> float:
     return 2 * p.rolling_resistance_torque / p.wheel_radius / mass
 
 
-def chain_rows(pressure: int, one: Trial) -> list[Row]:
+def chain_rows(pressure: int, one: BrakedRun) -> list[Row]:
     """Return the rows of pressure -> rod force -> torque, which the published values determine."""
     specified = {130: 5.33, 150: 6.15, 180: 7.38}[pressure]
     lost = {130: 18, 150: 19, 180: 15}[pressure]
@@ -217,7 +217,7 @@ def chain_rows(pressure: int, one: Trial) -> list[Row]:
     ]
 
 
-def lock_rows(pressure: int, printed: Mapping[float, Trial]) -> list[Row]:
+def lock_rows(pressure: int, printed: Mapping[float, BrakedRun]) -> list[Row]:
     """Return deceleration and lock, which depend on the unpublished torque history."""
     trials = {
         130: "none of 4 trials skidded",
@@ -247,7 +247,7 @@ def lock_rows(pressure: int, printed: Mapping[float, Trial]) -> list[Row]:
     ]
 
 
-def fitted_rows(one: Trial, hung: Trial) -> list[Row]:
+def fitted_rows(one: BrakedRun, hung: BrakedRun) -> list[Row]:
     """Return the rows of the thesis's simulation, whose torque acts on the wheelset alone (3.36), and with the brake
     hung.
     """
@@ -286,7 +286,7 @@ def run_history(pressure: int, options: Options) -> Report:
     return Report(rows, one.series, lambda: draw(pressure, runs), parameters, length, [remark, *messages], one.guids)
 
 
-def message(pressure: int, runs: Mapping[str, Trial]) -> str:
+def message(pressure: int, runs: Mapping[str, BrakedRun]) -> str:
     """Return the title: whether the trailing wheelset locks, and with several torques, the torque at which it locks."""
     locking = {label.partition(",")[0]: one.lock_speed for label, one in runs.items() if one.lock_speed is not None}
     if not locking:
@@ -297,7 +297,7 @@ def message(pressure: int, runs: Mapping[str, Trial]) -> str:
     return f"At {pressure} kPa, {torque} lock the trailing wheelset at {speed:.2f} m/s"
 
 
-def draw(pressure: int, runs: Mapping[str, Trial]) -> Figure:
+def draw(pressure: int, runs: Mapping[str, BrakedRun]) -> Figure:
     labels = (
         "torque capacity of the brake on the trailing wheelset [kN.m]",
         "speed of the bogie (line) and of the trailing wheels (dashed) [m/s]",

@@ -28,7 +28,7 @@ DRAWN, WAVE = 750.0, 250.0
 
 
 @dataclass(frozen=True)
-class BrakedTrain:
+class FreightTrain:
     """One train, its command and its coupler."""
 
     length: float
@@ -51,10 +51,10 @@ class BrakedTrain:
         return f"{self.length:g} m, {self.mode}, {self.command}, {self.coupler}"
 
 
-def cases(lengths: Sequence[float]) -> list[BrakedTrain]:
+def cases(lengths: Sequence[float]) -> list[FreightTrain]:
     """Return every length in every position, and again with draft gears for the plots."""
-    found = [BrakedTrain(length, mode, command) for length in lengths for mode in MODES for command in COMMANDS]
-    return found + [BrakedTrain(DRAWN, mode, "emergency", "draft-gear") for mode in MODES]
+    found = [FreightTrain(length, mode, command) for length in lengths for mode in MODES for command in COMMANDS]
+    return found + [FreightTrain(DRAWN, mode, "emergency", "draft-gear") for mode in MODES]
 
 
 def run(options: Options, quick: bool = False) -> Report:
@@ -69,7 +69,7 @@ def run(options: Options, quick: bool = False) -> Report:
             measured(f"{case.name}: largest compression", "kN", 1e-3 * train.largest_compression, where),
             measured(f"{case.name}: largest tension", "kN", 1e-3 * train.largest_tension),
         ]
-    drawn = {mode: done[BrakedTrain(DRAWN, mode, "emergency")] for mode in MODES}
+    drawn = {mode: done[FreightTrain(DRAWN, mode, "emergency")] for mode in MODES}
     parameters = {"speed": SPEED, "wagon": "80 t, 14 m, composite blocks", "mode": list(MODES)}
     force = {mode: 1e-3 * train.largest_compression for mode, (train, _) in drawn.items()}
     said = [
@@ -81,18 +81,18 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, drawn["P"][1].recording(), lambda: draw(drawn), parameters, seconds, said)
 
 
-def judged_rows(done: Mapping[BrakedTrain, tuple[Train, Course]], lengths: Sequence[float]) -> list[Row]:
+def judged_rows(done: Mapping[FreightTrain, tuple[Train, Course]], lengths: Sequence[float]) -> list[Row]:
     """Return the rows of the standard's limit of the wave speed, and of the order of positions and lengths."""
-    fresh = BrakedTrain(DRAWN, "P", "emergency").train()
+    fresh = FreightTrain(DRAWN, "P", "emergency").train()
     fresh.drive("emergency")
     wave, standard = propagation(follow(fresh, 8.0, 0.01), fresh.consist.length), "UIC 540: at least 250 m/s"
     rows = [measured(f"{DRAWN:g} m, emergency: propagation", "m/s", wave, standard, at_least(WAVE))]
     for length in lengths[1:]:  # shorter ones hardly exceed the preload of their buffers
-        slow, fast = (done[BrakedTrain(length, mode, "emergency")][0].largest_compression for mode in ("G", "P"))
+        slow, fast = (done[FreightTrain(length, mode, "emergency")][0].largest_compression for mode in ("G", "P"))
         name = f"{length:g} m, emergency: compression in G over that in P"
         rows.append(measured(name, "1", slow / fast, "slow filling is what position G is for", at_most(0.8)))
     for mode in MODES:
-        grows = np.diff([done[BrakedTrain(length, mode, "emergency")][1].braking_distance for length in lengths]).min()
+        grows = np.diff([done[FreightTrain(length, mode, "emergency")][1].braking_distance for length in lengths]).min()
         rows.append(measured(f"{mode}: least growth of the distance with length", "m", grows, "delay", at_least(0.0)))
     return rows
 

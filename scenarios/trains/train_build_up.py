@@ -81,7 +81,7 @@ def slowest(consist: Consist, mode: str) -> Consist:
 
 
 @dataclass(frozen=True)
-class Unknown:
+class Variation:
     """A changed parameter; later: physical sign of the effect on the time: longer (1), shorter (-1), or either (0)."""
 
     change: Callable[[Consist, str], Consist] | None
@@ -90,18 +90,18 @@ class Unknown:
 
 
 UNKNOWNS = {
-    "a third of the emergency valve's area": Unknown(lambda c, _: with_valve(c, 1 / 3), Settings(), 1),
-    "filling in the longest time of UIC 540": Unknown(slower, Settings(), 1),
-    "no in-shot": Unknown(lambda c, _: with_distributors(c, inshot=0.0), Settings(), 1),
-    "no accelerators": Unknown(lambda c, _: with_distributors(c, accelerator_volume=0.0), Settings(), 1),
-    "twice the wall friction": Unknown(None, Settings(friction=2.0), 1),
-    "half of the wall friction": Unknown(None, Settings(friction=0.5), -1),
-    "isothermal air": Unknown(None, Settings(heat=1e3), 1),
-    "adiabatic air": Unknown(None, Settings(heat=0.0), -1),
-    "branches of 2 l": Unknown(lambda c, _: with_branches(c, 2e-3), Settings(), 1),
-    "branches of 4 l": Unknown(lambda c, _: with_branches(c, 4e-3), Settings(), 1),
-    "the slowest brake that still has 250 m/s": Unknown(lambda c, mode: slowest(c, mode), Settings(), 1),
-    "pipes of 25 mm": Unknown(  # less air has to leave, against more friction
+    "a third of the emergency valve's area": Variation(lambda c, _: with_valve(c, 1 / 3), Settings(), 1),
+    "filling in the longest time of UIC 540": Variation(slower, Settings(), 1),
+    "no in-shot": Variation(lambda c, _: with_distributors(c, inshot=0.0), Settings(), 1),
+    "no accelerators": Variation(lambda c, _: with_distributors(c, accelerator_volume=0.0), Settings(), 1),
+    "twice the wall friction": Variation(None, Settings(friction=2.0), 1),
+    "half of the wall friction": Variation(None, Settings(friction=0.5), -1),
+    "isothermal air": Variation(None, Settings(heat=1e3), 1),
+    "adiabatic air": Variation(None, Settings(heat=0.0), -1),
+    "branches of 2 l": Variation(lambda c, _: with_branches(c, 2e-3), Settings(), 1),
+    "branches of 4 l": Variation(lambda c, _: with_branches(c, 4e-3), Settings(), 1),
+    "the slowest brake that still has 250 m/s": Variation(lambda c, mode: slowest(c, mode), Settings(), 1),
+    "pipes of 25 mm": Variation(  # less air has to leave, against more friction
         lambda c, _: Consist(tuple(replace(v, pipe_diameter=0.025) for v in c.vehicles)), Settings(), 0
     ),
 }

@@ -216,11 +216,9 @@ def test_smallest_level_takes_load_transfer_where_its_absence_is_seen() -> None:
 
 
 def test_point_level_misses_the_lock_up_between_the_two_boundaries(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(levels, "UTILISATIONS", (0.3, 0.65, 0.9, 1.1))
-    monkeypatch.setattr(levels, "COSTED", (1.0,))
-    found = levels.measure()
+    found = levels.measure((0.3, 0.65, 0.9, 1.1), (1.0,), repeats=1)
     spatial, point = found.trailing_boundary("spatial"), found.trailing_boundary("point")
-    for utilisation, one, other in zip(levels.UTILISATIONS, found.stops["point"], found.stops["spatial"], strict=True):
+    for utilisation, one, other in zip(found.utilisations, found.stops["point"], found.stops["spatial"], strict=True):
         missed = one.lock_time_2 is None and other.lock_time_2 is not None
         assert missed == (spatial <= utilisation < point)
     assert all(row.holds is not False for row in levels.error_rows(found) + levels.boundary_rows(found))

@@ -97,13 +97,13 @@ def test_picture_of_a_line_closes_a_circle_and_climbs_by_its_gradient(irregular:
 
 
 def test_load_that_a_twist_moves_is_that_of_statics() -> None:
-    case = transition.Case(400.0, transition.SLOW, curved=False, free=True)
+    case = transition.Ride(400.0, transition.SLOW, curved=False, free=True)
     series = case.run()
     moved = transition.by_twist(case, series, transition.moved(series))
     assert moved == pytest.approx(transition.statics(case), rel=transition.BAND)
     # Springs without the leaning bodies give 4 % of error, a ramp of 1:410 gives 2.5 %.
     assert moved != pytest.approx(transition.shares(case, series)["springs"], rel=transition.BAND)
-    assert moved != pytest.approx(transition.statics(transition.Case(410.0, transition.SLOW)), rel=transition.BAND)
+    assert moved != pytest.approx(transition.statics(transition.Ride(410.0, transition.SLOW)), rel=transition.BAND)
 
 
 def test_a_twist_goes_into_springs_a_ninth_into_the_track_and_next_to_nothing_into_contacts() -> None:

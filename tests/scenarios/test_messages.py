@@ -43,8 +43,8 @@ def test_a_skid_tells_when_and_how_fast_or_that_there_is_none() -> None:
 
 
 def test_of_several_torques_the_one_that_locks_is_named() -> None:
-    def run(speed: float | None) -> qr30.Run:
-        return qr30.Run(locking(locked_2=NEVER), None, speed, None, {})
+    def run(speed: float | None) -> qr30.BrakedRun:
+        return qr30.BrakedRun(locking(locked_2=NEVER), None, speed, None, {})
 
     rolls = {"printed averages": run(None)}
     assert qr30.message(130, rolls) == "At 130 kPa the trailing wheelset rolls until the bogie stands"

@@ -11,12 +11,12 @@ from evidence.comparisons import throughput
 from evidence.measuring import throughput as rates
 from evidence.measuring.runs import SceneRun
 from evidence.peers import ensembles
-from evidence.peers.ensembles import ALONE, BATCH, IN_THREADS, Rate, Study
+from evidence.peers.ensembles import ALONE, BATCH, IN_THREADS, EnsembleStudy, Rate
 from fmu_src.batch import Instances, library_of_batch
 from rbd_model.levels.models import DEFAULT_TOLERANCE
 
 
-def found() -> Study:
+def found() -> EnsembleStudy:
     """Return a batch with 40 times the stops of CVODE at a good error in the planar model, and 20 times in 3D."""
     rates = []
     for level, stops in (("planar", 400.0), ("spatial", 200.0)):
@@ -28,7 +28,7 @@ def found() -> Study:
             Rate(level, IN_THREADS, 1e-5, 1e-5, 10.0),
             Rate(level, "Radau (SciPy), processes", 1e-5, None, 30.0, "given up"),
         ]
-    return Study(rates, dict.fromkeys(ensembles.LEVELS, 1e-10), {"planar": 0.0, "spatial": 1e-9})
+    return EnsembleStudy(rates, dict.fromkeys(ensembles.LEVELS, 1e-10), {"planar": 0.0, "spatial": 1e-9})
 
 
 def test_the_best_of_others_is_the_fastest_whose_error_is_good() -> None:
@@ -41,7 +41,7 @@ def test_the_best_of_others_is_the_fastest_whose_error_is_good() -> None:
 
 def test_the_title_is_what_was_measured() -> None:
     assert throughput.message(found()) == "A default batch makes 40 (planar) and 20 (spatial) times others' stops"
-    without = Study([one for one in found().rates if one.way not in ensembles.PEERS], {}, {})
+    without = EnsembleStudy([one for one in found().rates if one.way not in ensembles.PEERS], {}, {})
     assert throughput.message(without) == "A default batch makes 8 (planar) and 8 (spatial) times one instance's stops"
 
 
