@@ -42,9 +42,11 @@ PEERS = (IN_THREADS, *IN_PROCESSES)
 class Extent:
     """Settings and numbers of stops of a study.
 
-    tolerances, fixed_steps [s], coarse: settings of ours and CVODE's, of ours, and of SciPy's methods. judged: stops
-    whose errors are evaluated, at evenly spaced torques. planar, spatial: stops of a batch. rounds: of one instance and
-    of batches, of which the fastest counts. of_a_thread, of_a_process: stops of CVODE, and of SciPy, for each worker.
+    tolerances: of this project's methods and of CVODE. fixed_steps: of this project's methods [s]. coarse: tolerances
+    of SciPy's methods.
+
+    judged: number of stops whose errors are evaluated. planar, spatial: number of stops of a batch. rounds: the
+    fastest counts. of_a_thread, of_a_process: number of stops of CVODE and of SciPy for each worker.
     """
 
     tolerances: tuple[float, ...] = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)

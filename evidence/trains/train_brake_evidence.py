@@ -42,8 +42,8 @@ TRAINS = (*CHOOSING, *REPORTING)
 #: Gradients of the figure, and the steepest that is compared [1]; speeds of the switches [km/h].
 GRADIENTS = {"1:60 up": 1 / 60, "level": 0.0, "1:100 down": -1 / 100, "1:60 down": -1 / 60}
 STEEPEST, SPEEDS = 1 / 59.0, (20.0, 60.0, 110.0)
-#: Draws of what is not known, those of a quick run, and their seed. Bound of the rms error of a reporting train: half
-#: of that before.
+#: Random draws of unknown inputs, those of a quick run, and their seed. Bound of the rms error of a reporting train:
+#: half of that before.
 DRAWS, QUICK_DRAWS, SEED, HALF = 16, 2, 1, 0.5
 #: Ranges of what is not known: rate of the driver's valve [bar/s], branches [l], factor on the pipe's friction [1], and
 #: margin [1]; driver's time [s]; GW10's length [m], whose consist is not published.
