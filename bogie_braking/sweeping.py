@@ -6,9 +6,10 @@ import hashlib
 import math
 import os
 import pickle
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import nullcontext
+from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -36,83 +37,77 @@ from rbd_model.track.line import Line
 PAYS_FROM = 1000
 #: Largest number of runs of one batch here, and of runs that a folder loses when a study is interrupted.
 AT_ONCE = 10_000
-#: Outcomes of many points at once; None if they cannot be a batch. threads: None for all processors.
-Batch = Callable[[int | None, Sequence[Point]], list[Outcome] | None]
 
 
-def end_of(
-    what: Runnable,
-    duration: float,
-    line: Line | None,
-    names: Sequence[str],
-    values: Mapping[str, Value],
-    point: Point,
-) -> Outcome:
-    """Return the values of `names` at the end of one run and its messages, or the reason of its failure."""
-    try:
-        one = Simulation(what, line, **{**values, **point})
-        found = one.advance(duration, names, duration)
-        return outcome_of(names, [one[asked] for asked in names], point, found.status)
-    except (SimulationError, ValueError) as error:
-        return Outcome(failure=str(error), point=point)
+@dataclass(frozen=True)
+class Runs:
+    """Runs that differ in the values of their points, and the names of the variables at their ends."""
 
+    what: Runnable
+    duration: float
+    line: Line | None
+    names: Sequence[str]
+    values: Mapping[str, Value]
 
-def outcome_of(names: Sequence[str], values: Sequence[float], point: Point, message: str) -> Outcome:
-    """Return the outcome of a run; a NaN becomes None."""
-    ends = {name: None if math.isnan(value) else value for name, value in zip(names, values, strict=True)}
-    return Outcome(ends, point=point, message=message)
+    def end(self, point: Point) -> Outcome:
+        """Return the values at the end of one run and its messages, or the reason of its failure."""
+        try:
+            simulation = Simulation(self.what, self.line, **{**self.values, **point})
+            advanced = simulation.advance(self.duration, self.names, self.duration)
+            return self._outcome([simulation[name] for name in self.names], point, advanced.status)
+        except (SimulationError, ValueError) as error:
+            return Outcome(failure=str(error), point=point)
 
+    def ends(self, threads: int | None, points: Sequence[Point]) -> list[Outcome] | None:
+        """Return `end` of many points by a batch, bit-identical; None if they cannot be one.
 
-def in_batch(
-    what: Runnable,
-    duration: float,
-    line: Line | None,
-    names: Sequence[str],
-    values: Mapping[str, Value],
-    threads: int | None,
-    points: Sequence[Point],
-) -> list[Outcome] | None:
-    """Return `end_of` of many points with numeric values, bit-identical, or None if it fails."""
-    columns = {name: np.array([point[name] for point in points], float) for name in points[0]}
-    try:
-        ends = batch(what, duration, names, line, threads, messages=True, **{**values, **columns})  # type: ignore[arg-type]
-    except (CompilerError, SimulationError, ValueError):  # alone, each run reports the reason
-        return None
-    rows = zip(points, np.column_stack([ends[name] for name in names]).tolist(), ends.messages or [], strict=True)
-    return [
-        Outcome(failure=message, point=point)
-        if message and all(map(math.isnan, row))
-        else outcome_of(names, row, point, message)
-        for point, row, message in rows
-    ]
+        threads: None for all processors.
+        """
+        if not all(map(is_number, self.values.values())):
+            return None
+        columns: dict[str, Any] = {name: np.array([point[name] for point in points], float) for name in points[0]}
+        try:
+            made = batch(self.what, self.duration, self.names, self.line, threads, True, **{**self.values, **columns})
+        except (CompilerError, SimulationError, ValueError):  # alone, each run reports the reason
+            return None
+        table = np.column_stack([made[name] for name in self.names]).tolist()
+        return [
+            Outcome(failure=message, point=point)
+            if message and all(map(math.isnan, row))
+            else self._outcome(row, point, message)
+            for point, row, message in zip(points, table, made.messages or [], strict=True)
+        ]
 
+    def task(self, points: Sequence[Point]) -> list[Outcome]:
+        """Return `end` of the points of one task of an executor."""
+        return self.ends(1, points) or [self.end(point) for point in points]
 
-def task(many: Batch, evaluate: Evaluate, points: Sequence[Point]) -> list[Outcome]:
-    """Run one task of an executor: many runs."""
-    return many(1, points) or [evaluate(point) for point in points]
+    def _outcome(self, values: Sequence[float], point: Point, message: str) -> Outcome:
+        """Return the outcome of a run; a NaN becomes None."""
+        ends = {name: None if math.isnan(value) else value for name, value in zip(self.names, values, strict=True)}
+        return Outcome(ends, point=point, message=message)
 
-
-def run_by(executor: Executor | None, many: Batch | None, evaluate: Evaluate, points: Mapping[int, Point]) -> Outcomes:
-    """Yield outcomes of runs, made here or by an executor; in batches if `many` makes them and they pay."""
-    left = dict(points)
-    pays = many is not None and len(left) >= PAYS_FROM
-    if many and pays and executor:
-        groups = dict(enumerate(np.array_split(list(left), len(left) // PAYS_FROM)))
-        tasks = {group: [left[number] for number in numbers] for group, numbers in groups.items()}
-        for group, made in outcomes_from(executor, partial(task, many, evaluate), tasks, len(tasks)):
-            yield dict(zip(groups[group].tolist(), made.result(), strict=True))
-        return
-    while many and pays and left:
-        some = dict(islice(left.items(), AT_ONCE))
-        outcomes = many(None, list(some.values()))
-        if outcomes is None:
-            break
-        yield dict(zip(some, outcomes, strict=True))
-        left = dict(islice(left.items(), AT_ONCE, None))
-    threads = os.cpu_count() or 1
-    with nullcontext(executor) if executor else ThreadPoolExecutor(threads) as runs:
-        for number, future in outcomes_from(runs, evaluate, left, len(left) if executor else AHEAD * threads):
-            yield {number: future.result()}
+    def by(self, executor: Executor | None, evaluate: Evaluate, points: Mapping[int, Point]) -> Outcomes:
+        """Yield outcomes of runs, made here or by an executor; in batches where these pay."""
+        left = dict(points)
+        pays = len(left) >= PAYS_FROM and all(map(is_number, self.values.values()))
+        if pays and executor:
+            groups = dict(enumerate(np.array_split(list(left), len(left) // PAYS_FROM)))
+            tasks = {group: [left[number] for number in numbers] for group, numbers in groups.items()}
+            for group, made in outcomes_from(executor, self.task, tasks, len(tasks)):
+                yield dict(zip(groups[group].tolist(), made.result(), strict=True))
+            return
+        while pays and left:
+            some = dict(islice(left.items(), AT_ONCE))
+            outcomes = self.ends(None, list(some.values()))
+            if outcomes is None:
+                break
+            yield dict(zip(some, outcomes, strict=True))
+            left = dict(islice(left.items(), AT_ONCE, None))
+        threads = os.cpu_count() or 1
+        with nullcontext(executor) if executor else ThreadPoolExecutor(threads) as pool:
+            for number, future in outcomes_from(pool, evaluate, left, len(left) if executor else AHEAD * threads):
+                yield {number: future.result()}
 
 
 def sweep(
@@ -185,21 +180,14 @@ def sweep(
     once(("number", *vary, *names), "column")
     varied = {key: machine.variables[key].unit for key in vary}
     results = {key: machine.variables[key].unit for key in names}
-    numbers = all(map(is_number, values.values()))
-    many = partial(in_batch, what, duration, line, names, values) if numbers else None
-    run_points = partial(run_by, executor, many)
-    study = Study(
-        "sweep" if folder is None else Path(folder).name,
-        varied | results,
-        names,
-        rows,
-        partial(end_of, what, duration, line, names, values),
-        {} if folder is None else head_of(what, duration, columns, varied | results, line, values, own_law),
-    )
+    runs, units = Runs(what, duration, line, names, values), varied | results
     if folder is None:
-        found = outcomes_of(study, run_points)
-        return table_of(study, [found[number] for number in range(len(rows))])
-    return table_of(study, kept_outcomes_of(study, nullcontext(run_points), Path(folder))[0])
+        study = Study("sweep", units, names, rows, runs.end, {})
+        outcomes = outcomes_of(study, partial(runs.by, executor))
+        return table_of(study, [outcomes[number] for number in range(len(rows))])
+    head = head_of(runs, columns, units, own_law)
+    study = Study(Path(folder).name, units, names, rows, runs.end, head)
+    return table_of(study, kept_outcomes_of(study, nullcontext(partial(runs.by, executor)), Path(folder))[0])
 
 
 def table_of(study: Study, outcomes: Sequence[Outcome]) -> Recording:
@@ -211,13 +199,7 @@ def table_of(study: Study, outcomes: Sequence[Outcome]) -> Recording:
 
 
 def head_of(
-    what: Runnable,
-    duration: float,
-    columns: Mapping[str, Sequence[float]],
-    units: Mapping[str, str],
-    line: Line | None,
-    values: Mapping[str, Value],
-    own_law: bool = False,
+    runs: Runs, columns: Mapping[str, Sequence[float]], units: Mapping[str, str], own_law: bool = False
 ) -> dict[str, Any]:
     """Return the settings that all runs in one folder share.
 
@@ -230,20 +212,19 @@ def head_of(
         "A folder keeps runs of ready machines and of vehicles, with numbers and tables; got equations or a function. "
         "Leave folder out."
     )
-    if own_law or isinstance(what, System | Model):
+    if own_law or isinstance(runs.what, System | Model):
         raise refused
     try:
-        rest = hashlib.sha256(pickle.dumps((what, line, values, contents_of_files(values)))).hexdigest()[:24]
+        rest = pickle.dumps((runs.what, runs.line, runs.values, contents_of_files(runs.values)))
     except (pickle.PicklingError, AttributeError, TypeError):
         raise refused from None
-    held = {name: float(value) for name, value in values.items() if is_number(value)}
-    name = what if isinstance(what, str) else what.name
+    held = {name: float(value) for name, value in runs.values.items() if is_number(value)}
     return {
-        "sweep": name,
+        "sweep": runs.what if isinstance(runs.what, str) else runs.what.name,
         "vary": dict(columns),
-        "held": held | {"duration": duration},
+        "held": held | {"duration": runs.duration},
         "units": dict(units),
-        "machine, line, values": rest,
+        "machine, line, values": hashlib.sha256(rest).hexdigest()[:24],
     }
 
 

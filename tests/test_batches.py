@@ -24,7 +24,7 @@ FRICTION = np.concatenate([np.linspace(0.02, 0.3, 21), [-1.0, np.nan]])
 
 
 def alone(what: object, duration: float, line: bb.Line | None, row: dict[str, float]) -> tuple[list[float], str]:
-    one = sweeping.end_of(what, duration, line, OUTPUTS, {}, row)  # type: ignore[arg-type]
+    one = sweeping.Runs(what, duration, line, OUTPUTS, {}).end(row)  # type: ignore[arg-type]
     if one.results is None:
         return [np.nan] * len(OUTPUTS), str(one.failure)
     return [np.nan if end is None else end for end in one.results.values()], one.message
@@ -150,7 +150,7 @@ def test_a_system_with_algebraic_states_is_in_its_lane_what_it_is_alone() -> Non
     speeds = np.linspace(5.0, 40.0, 11)
     ends = bb.batch("wheelset", 3.0, ["speed", "distance"], messages=True, initial_speed=speeds)
     for speed, *found in zip(speeds.tolist(), ends["speed"], ends["distance"], strict=True):
-        run = sweeping.end_of("wheelset", 3.0, None, ["speed", "distance"], {}, {"initial_speed": speed})
+        run = sweeping.Runs("wheelset", 3.0, None, ["speed", "distance"], {}).end({"initial_speed": speed})
         assert run.results == dict(zip(["speed", "distance"], found, strict=True))
 
 

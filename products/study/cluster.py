@@ -31,8 +31,12 @@ PATIENCE = 5.0
 
 
 @contextmanager
-def client_of(address: str) -> Iterator[Client]:
-    """A connection to a scheduler that has workers with the sources of this checkout. Raises BadInputError."""
+def cluster(address: str) -> Iterator[Evaluator]:
+    """Yield a function that gives outcomes of points from the workers of a scheduler.
+
+    Raises BadInputError before any run: without Dask, a scheduler, workers, or workers with the sources of this
+    checkout.
+    """
     try:
         from distributed import Client
     except ImportError:
@@ -55,7 +59,7 @@ def client_of(address: str) -> Iterator[Client]:
                 f"The Dask scheduler at {address} has no workers; start some with 'dask worker {address}'."
             ) from None
         check_sources(client)
-        yield client
+        yield partial(on_cluster, client)
 
 
 def check_form(address: str) -> None:
@@ -82,16 +86,6 @@ def check_sources(client: Client) -> None:
             raise BadInputError(
                 f"The Dask worker {worker} has other sources ({answer}) than this checkout ({own}); start it from here."
             )
-
-
-@contextmanager
-def cluster(address: str) -> Iterator[Evaluator]:
-    """Yield a function that gives outcomes of points from a scheduler's workers.
-
-    Raises BadInputError before any run.
-    """
-    with client_of(address) as client:
-        yield partial(on_cluster, client)
 
 
 def on_cluster(client: Client, evaluate_point: Evaluate, points: Mapping[int, Point]) -> Outcomes:

@@ -10,8 +10,7 @@ from typing import Any
 
 from fmu_src.progress import counting
 from products.sources import versions
-from products.study.journal import JOURNAL, Journal
-from products.study.lock import only_writer
+from products.study.journal import JOURNAL, Journal, only_writer
 from products.study.points import Evaluate, Evaluator, Outcome, Point, SweepError, check_point, sources
 from products.study.table import remove_table, write_table
 from readers.storage import is_full, sync_folder
@@ -73,13 +72,14 @@ def kept_outcomes_of(
 ) -> tuple[list[Outcome], list[str]]:
     """Run or resume a study in a folder."""
     head = {**study.head, "versions": versions() | {"sources": sources()}}
-    with _saying_where_room_is_missing(folder), ExitStack() as held:
-        run_points: Evaluator | None = None
-        if not folder.exists():  # where no cluster answers, no folder is made
-            run_points = held.enter_context(evaluator)
+    with _room_in(folder), ExitStack() as held:
+        # Where no cluster answers, no folder is made.
+        run_points = None if folder.exists() else held.enter_context(evaluator)
         held.enter_context(only_writer(folder))
         if restart:
-            _forget(folder)
+            remove_table(folder)
+            (folder / JOURNAL).unlink(missing_ok=True)
+            sync_folder(folder)
         journal = Journal(folder / JOURNAL, head, study.points, study.results)
         tell(journal)
         if len(journal.outcomes) < len(study.points):
@@ -87,29 +87,20 @@ def kept_outcomes_of(
             with journal:
                 remove_table(folder)
                 outcomes_of(study, run_points, journal)
-        rows = [(point, journal.outcomes[number]) for number, point in enumerate(study.points)]
-        outcomes = [outcome for _, outcome in rows]
-        failed = sum(outcome.failure is not None for outcome in outcomes)
-        return outcomes, write_table(folder, study.units, rows, head | {"points": len(rows), "failed": failed})
-
-
-def _forget(folder: Path) -> None:
-    """Delete the files of an earlier sweep before another one writes any."""
-    remove_table(folder)
-    (folder / JOURNAL).unlink(missing_ok=True)
-    sync_folder(folder)
+        outcomes = [journal.outcomes[number] for number in range(len(study.points))]
+        counts = {"points": len(outcomes), "failed": sum(outcome.failure is not None for outcome in outcomes)}
+        return outcomes, write_table(folder, study.units, study.points, outcomes, head | counts)
 
 
 @contextmanager
-def _saying_where_room_is_missing(folder: Path) -> Iterator[None]:
+def _room_in(folder: Path) -> Iterator[None]:
     """Raise SweepError, with the folder and the remedy, if a disk is full."""
     try:
         yield
     except OSError as error:
         if not is_full(error):
             raise
-        reason = error.strerror or str(error)
         raise SweepError(
-            f"{folder} must have room for the results; got {reason!r}. Make room, and the same command goes on from "
-            "the points that are done."
+            f"{folder} must have room for the results; got {error.strerror or str(error)!r}. Make room, and the same "
+            "command goes on from the points that are done."
         ) from None

@@ -2,7 +2,7 @@
 
 import csv
 import io
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +13,26 @@ from readers.storage import remove_partial, write_whole
 FILES = ("table.csv", "table.parquet", "summary.json")
 #: Name of the last column: why a point has no results.
 FAILURE = "failure"
-Rows = Sequence[tuple[Point, Outcome]]
+Column = Sequence[float | str | None]
 
 
-def write_table(folder: Path, units: Mapping[str, str], rows: Rows, summary: Mapping[str, Any]) -> list[str]:
-    """Writes the files and returns their names; without pyarrow there is no Parquet.
+def write_table(
+    folder: Path,
+    units: Mapping[str, str],
+    points: Sequence[Point],
+    outcomes: Sequence[Outcome],
+    summary: Mapping[str, Any],
+) -> list[str]:
+    """Write the files and return their names; without pyarrow there is no Parquet. units: of the columns, by name.
 
-    units: of the columns, by their names.
-    Rows come in the order of the grid and hold nothing but parameters and results: the same sweep gives the same bytes.
-    Each file is there as a whole or not at all, and summary.json, by which a report knows the table, last.
+    Rows hold nothing but parameters and results: the same sweep gives the same bytes. Each file is there as a whole or
+    not at all, and summary.json, by which a report finds the table, last.
     """
-    columns = {name: [_value(name, *row) for row in rows] for name in units}
-    failures = [outcome.failure for _, outcome in rows]
-    contents = {"table.csv": _csv(units, columns, failures), "table.parquet": _parquet(units, columns, failures)}
-    contents["summary.json"] = document_text(summary).encode()
-    written = {name: content for name, content in contents.items() if content is not None}
+    rows = [{**(outcome.results or {}), **point} for point, outcome in zip(points, outcomes, strict=True)]
+    columns: dict[str, Column] = {name: [row.get(name) for row in rows] for name in units}
+    columns[FAILURE] = [outcome.failure for outcome in outcomes]
+    contents = (_csv(units, columns), _parquet(units, columns), document_text(summary).encode())
+    written = {name: content for name, content in zip(FILES, contents, strict=True) if content is not None}
     remove_table(folder)
     for name, content in written.items():
         write_whole(folder / name, content)
@@ -35,31 +40,22 @@ def write_table(folder: Path, units: Mapping[str, str], rows: Rows, summary: Map
 
 
 def remove_table(folder: Path) -> None:
-    """Delete a table of an earlier sweep, and partial files of a killed one, before another log begins."""
+    """Delete a table of an earlier sweep, and partial files of a killed one, before another journal begins."""
     for name in reversed(FILES):
         (folder / name).unlink(missing_ok=True)
     remove_partial(folder)
 
 
-def _value(name: str, point: Point, outcome: Outcome) -> float | None:
-    return point[name] if name in point else (outcome.results or {}).get(name)
-
-
-def _csv(
-    units: Mapping[str, str], columns: Mapping[str, Sequence[float | None]], failures: Iterable[str | None]
-) -> bytes:
+def _csv(units: Mapping[str, str], columns: Mapping[str, Column]) -> bytes:
     """Return the table as CSV: floats with all their digits (repr); an empty cell if a value is missing."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([*(f"{name} [{unit}]" for name, unit in units.items()), FAILURE])
-    for *values, failure in zip(*columns.values(), failures, strict=True):
-        writer.writerow([*("" if value is None else repr(value) for value in values), failure or ""])
+    writer.writerows(zip(*columns.values(), strict=True))
     return text.getvalue().encode()
 
 
-def _parquet(
-    units: Mapping[str, str], columns: Mapping[str, Sequence[float | None]], failures: Sequence[str | None]
-) -> bytes | None:
+def _parquet(units: Mapping[str, str], columns: Mapping[str, Column]) -> bytes | None:
     """Return columns of doubles, each with its unit in the metadata of its field; None without pyarrow."""
     try:
         import pyarrow
@@ -67,8 +63,7 @@ def _parquet(
     except ImportError:
         return None
     fields = [pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit}) for name, unit in units.items()]
-    fields.append(pyarrow.field(FAILURE, pyarrow.string()))
-    table = pyarrow.table([*columns.values(), failures], schema=pyarrow.schema(fields))
+    schema = pyarrow.schema([*fields, pyarrow.field(FAILURE, pyarrow.string())])
     sink = pyarrow.BufferOutputStream()
-    pyarrow.parquet.write_table(table, sink)
+    pyarrow.parquet.write_table(pyarrow.table(list(columns.values()), schema=schema), sink)
     return bytes(sink.getvalue().to_pybytes())

@@ -12,6 +12,8 @@ interruption the same command continues from there. Points that failed stay in t
 sweep into the same folder is refused while the first one runs.
 """
 
+from __future__ import annotations
+
 import argparse
 import inspect
 import os
@@ -23,13 +25,13 @@ from pathlib import Path
 
 from bogie_braking.common_options import add_out, add_speech, bars, describe
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
-from bogie_braking.reporting.scenario import BadInputError
 from products.study.cluster import cluster
 from products.study.grid import grid_of, points_of
 from products.study.journal import JOURNAL, Journal
 from products.study.points import Evaluator, Outcome, in_processes, point_function
 from products.study.study import Study, kept_outcomes_of
 from readers.command_line import check_folder, whole
+from readers.text import BadInputError
 from scenarios import catalogue
 
 
@@ -99,6 +101,20 @@ def evaluator(chosen: argparse.Namespace) -> AbstractContextManager[Evaluator]:
     return nullcontext(partial(in_processes, chosen.jobs or os.cpu_count() or 1))
 
 
+def run(chosen: argparse.Namespace) -> int:
+    """Run or resume a sweep; return DOES_NOT_HOLD if a point failed. Raises BadInputError, SweepError."""
+    check_folder(chosen.out)
+    with bars(chosen):
+        study = study_of(chosen)
+        folder, tell = chosen.out / study.name, partial(tell_what_is_done, study, chosen)
+        outcomes, written = kept_outcomes_of(study, evaluator(chosen), folder, chosen.restart, tell)
+    if chosen.json:
+        print((folder / "summary.json").read_text(encoding="utf-8"), end="")
+    elif not chosen.quiet:
+        report(study, outcomes, folder, written)
+    return HOLDS if all(outcome.failure is None for outcome in outcomes) else DOES_NOT_HOLD
+
+
 def tell_what_is_done(study: Study, chosen: argparse.Namespace, journal: Journal) -> None:
     """Print the number of points that an earlier run has completed."""
     if journal.cut and not chosen.quiet:
@@ -106,23 +122,6 @@ def tell_what_is_done(study: Study, chosen: argparse.Namespace, journal: Journal
         print(f"The last line of {path} was cut off; what it held is computed again.", file=sys.stderr)
     if journal.outcomes and not (chosen.quiet or chosen.json):
         print(f"{study.name}: {len(journal.outcomes)} of {len(study.points)} points are done already.")
-
-
-def run(chosen: argparse.Namespace) -> int:
-    """Run or resume a sweep; return DOES_NOT_HOLD if a point failed.
-
-    Raises BadInputError, SweepError, KeyboardInterrupt.
-    """
-    check_folder(chosen.out)
-    with bars(chosen):
-        study = study_of(chosen)
-        folder, tell = chosen.out / study.name, partial(tell_what_is_done, study, chosen)
-        outcomes, written = kept_outcomes_of(study, evaluator(chosen), folder, chosen.restart, tell)
-        if chosen.json:
-            print((folder / "summary.json").read_text(encoding="utf-8"), end="")
-        elif not chosen.quiet:
-            report(study, outcomes, folder, written)
-    return HOLDS if all(outcome.failure is None for outcome in outcomes) else DOES_NOT_HOLD
 
 
 def report(study: Study, outcomes: Sequence[Outcome], folder: Path, written: Sequence[str]) -> None:
