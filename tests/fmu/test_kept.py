@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from bogie_braking import doctor
+from bogie_braking.commands import doctor
 from fmu_src import archive, kept
 from fmu_src import compile as compiling
 from fmu_src.compile import CompilerError

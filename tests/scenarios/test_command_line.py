@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from bogie_braking import doctor
 from bogie_braking.__main__ import main
+from bogie_braking.commands import doctor
 from bogie_braking.exit_status import FAILED, NOBODY_READS
 from bogie_braking.reporting import progress, report
 from bogie_braking.reporting.saved import wall_seconds

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bogie_braking import pace
 from bogie_braking.__main__ import main
-from bogie_braking.pace import Paced
+from bogie_braking.commands import pace
+from bogie_braking.commands.pace import Paced
 from fmu_src.cosimulation.slave import FmuInstance
 from tests.conftest import Fmus
 
