@@ -16,13 +16,13 @@ from __future__ import annotations
 import argparse
 import json
 import textwrap
-from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bogie_braking.common_options import add_speech, describe
 from bogie_braking.exit_status import HOLDS
+from bogie_braking.reporting.text_table import text_table
 from rbd_model.train.coupler import COUPLERS
 from readers.command_line import quantity
 from readers.formats import Imported
@@ -152,7 +152,7 @@ def _summary(found: Summary) -> str:
         f"{_vehicles(found.vehicles)}, {found.mass:.1f} t, {found.length:.1f} m, "
         f"brake weight {found.brake_weight:.1f} t, lambda {found.percentage:.0f} %"
     )
-    parts = [first, "", *_table([head, *rows], 2), "", *_table([names, *numbers], 0)]
+    parts = [first, "", *text_table([head, *rows], (0, 1)), "", *text_table([names, *numbers])]
     return "\n".join([*parts, *_couplings(found), *(f"\n{remark}" for remark in found.remarks)])
 
 
@@ -178,20 +178,8 @@ def _couplings(found: Summary) -> list[str]:
         )
         for one in own
     ]
-    return ["", *_table([head, *rows], 2)]
+    return ["", *text_table([head, *rows], (0, 1))]
 
 
 def _vehicles(count: int) -> str:
     return f"{count} vehicle{'' if count == 1 else 's'}"
-
-
-def _table(rows: Sequence[Sequence[str]], texts: int) -> list[str]:
-    """Return rows in columns; the first `texts` columns begin on the left, the others end on the right."""
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return [
-        "  ".join(
-            cell.ljust(width) if column < texts else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from bogie_braking.reporting.motion import Motion
 from bogie_braking.reporting.plots import message_of, plt
+from bogie_braking.reporting.text_table import text_table
 from fmu_src.cosimulation.recording import Recording
 from products.sources import versions
 from readers.documents import document_text
@@ -313,20 +314,10 @@ def table(rows: Sequence[Row]) -> str:
         for row in rows
     ]
     kept = [i for i, head in enumerate(heads) if head not in EMPTY or any(line[i] != "-" for line in lines)]
-    heads, lines = [heads[i] for i in kept], [[line[i] for i in kept] for line in lines]
-    widths = [max(len(line[i]) for line in [heads, *lines]) for i in range(len(heads))]
-
-    def text(line: Sequence[str]) -> str:
-        cells = [line[0].ljust(widths[0]), line[1].ljust(widths[1])]
-        cells += [cell.rjust(width) for cell, width in zip(line[2:-1], widths[2:-1], strict=True)]
-        return "  ".join([*cells, line[-1]]).rstrip()
-
-    shown = [text(heads), "-" * len(text(heads))]
-    for row, line in zip(rows, lines, strict=True):
-        shown.append(text(line))
-        note = "; ".join(part for part in (row.source, row.assumption) if part)
-        shown.append(f"    {note}")
-    return "\n".join(shown)
+    head, *texts = text_table([[line[i] for i in kept] for line in [heads, *lines]], (0, 1, len(kept) - 1))
+    notes = ["; ".join(part for part in (row.source, row.assumption) if part) for row in rows]
+    with_notes = [f"{text}\n    {note}" for text, note in zip(texts, notes, strict=True)]
+    return "\n".join([head, "-" * len(head), *with_notes])
 
 
 def stopwatch() -> Callable[[], float]:

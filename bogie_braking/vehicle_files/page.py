@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bogie_braking.reporting.plots import plt
+from bogie_braking.reporting.text_table import text_table
 from bogie_braking.vehicle_files.check import (
     KILOMETRES_PER_HOUR,
     OVERDAMPED,
@@ -121,8 +122,7 @@ def text_of(check: Check) -> str:
             lines = [(f"{source}:", values) for values, source in cells]
             rows += [title, *(wrapped(f"{first} {second}") for first, second in lines), ""]
             continue
-        widths = [max(len(line[at]) for line in lines) for at in range(len(names) - 1)]
-        rows += [title, *("  " + "  ".join([*map(str.ljust, line, widths), line[-1]]) for line in lines), ""]
+        rows += [title, *(f"  {line}" for line in text_table(lines, range(len(names)))), ""]
     return "\n".join(rows)
 
 
