@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from bogie_braking.reporting.text_table import text_table
 from scenarios.benchmark.band import Band
 from scenarios.benchmark.case import Answer, Case
 from scenarios.benchmark.score import Score, Scored
