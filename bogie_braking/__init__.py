@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from bogie_braking.batches import instances as instances
     from bogie_braking.calibration import fit as fit
     from bogie_braking.fitting import Fit as Fit
-    from bogie_braking.fitting import measured_from as measured_from
     from bogie_braking.fmus import fmu as fmu
     from bogie_braking.fmus import write_fmu as write_fmu
     from bogie_braking.machines import vehicle as vehicle
+    from bogie_braking.measured_data import measured_from as measured_from
     from bogie_braking.pairs import pair as pair
     from bogie_braking.pairs import profile as profile
     from bogie_braking.protection import protected_stop as protected_stop
@@ -57,9 +57,10 @@ _HOMES = {
     "bogie_braking": ("parts",),
     "bogie_braking.batches": ("batch", "instances"),
     "bogie_braking.calibration": ("fit",),
-    "bogie_braking.fitting": ("Fit", "measured_from"),
+    "bogie_braking.fitting": ("Fit",),
     "bogie_braking.fmus": ("fmu", "write_fmu"),
     "bogie_braking.machines": ("vehicle",),
+    "bogie_braking.measured_data": ("measured_from",),
     "bogie_braking.pairs": ("pair", "profile"),
     "bogie_braking.protection": ("protected_stop", "protected_stops"),
     "bogie_braking.rare_events": ("rare",),

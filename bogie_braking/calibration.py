@@ -8,12 +8,12 @@ from typing import Any, overload
 
 from numpy.typing import ArrayLike
 
-from bogie_braking import fitting
 from bogie_braking.checks import shown
 from bogie_braking.fitting import Fit
 from bogie_braking.friction_fitting import FrictionField, fit_friction
 from bogie_braking.machines import Runnable
 from bogie_braking.measured_data import Options
+from bogie_braking.run_fitting import fit_run
 from bogie_braking.train_fitting import fit_train
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist import Consist
@@ -138,7 +138,7 @@ def fit(
                 raise ValueError(f"The fit of a field of friction must be without {name}; got {shown(value)}.")
         return fit_friction(one, measured, parameters, places, line, columns, values)
     if not is_train(one):
-        return fitting.fit(one, measured, parameters, line, options, values)
+        return fit_run(one, measured, parameters, line, options, values)
     for name, value in {**vars(options), **values}.items():
         if value is not None and name not in OF_TRAINS:
             raise ValueError(f"The fit of a train must be without {name}; it has {', '.join(OF_TRAINS)}. Leave it out.")

@@ -139,6 +139,11 @@ def number(value: Any) -> float:
         return math.nan
 
 
+def in_unit(unit: str) -> str:
+    """Return a unit as the end of a number, nothing for pure numbers."""
+    return "" if unit == "1" else f" {unit}"
+
+
 def refused(sentence: str) -> SimulationError:
     """Return the error of a value that is refused here, the same as that of a kernel."""
     return SimulationError(sentence, ERROR)

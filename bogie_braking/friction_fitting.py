@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bogie_braking.checks import known, line_or_none, near, number, shown
+from bogie_braking.fitting import check_begin
 from bogie_braking.friction_logs import FrictionLog, Numbers, friction_logs
 from bogie_braking.friction_model import OF_RAIL, SLIDES, Axles, Stretch, stretches_of, used_adhesion
 from bogie_braking.friction_search import NO_SCATTER, Found, Search, block_of, search
@@ -145,8 +146,7 @@ def _rail_of(
         if name != FIELD and name not in BESIDE:
             raise ValueError(f"A field of friction is fitted with {', '.join((FIELD, *BESIDE))}; got {shown(name)}.")
         least, most = FRICTIONS if name == FIELD else _limits(name)
-        if not least < number(value) < most:
-            raise ValueError(f"The initial value of {name} must be between {least:g} and {most:g}; got {value!r}.")
+        check_begin(name, value, least, most)
         if name in values:
             raise ValueError(f"{name} must be a parameter to be fitted or a value; got both. Leave one out.")
     if FIELD not in parameters:

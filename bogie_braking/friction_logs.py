@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bogie_braking.checks import shown
-from fmu_src.cosimulation.measured import in_units_of, table_from
+from bogie_braking.measured_data import check_unit, log_of
 from fmu_src.cosimulation.recording import Recording
 from readers.log_columns import ColumnMap
 from readers.log_rows import after_events
@@ -98,16 +95,7 @@ def _table(name: str, one: object, wheelsets: int, columns: ColumnMap | None) ->
     numbers = range(1, wheelsets + 1)
     units = OF_VEHICLE | {f"{stem}_{n}": unit for stem, unit in OF_WHEELSET.items() for n in numbers}
     units |= {f"{other}_{n}": OF_WHEELSET[stem] for other, stem in SAME_AS.items() for n in numbers}
-    if isinstance(one, Recording):
-        if columns is not None:
-            raise ValueError("columns must be None for a Recording, as its columns have names; give the path of a log.")
-        return _renamed(in_units_of(one, units))
-    if not isinstance(one, str | Path):
-        raise TypeError(f"A log must be a Recording or the path of a CSV file; got {shown(one)} as {name}.")
-    table = table_from(one, units, columns)
-    for message in table.messages:
-        print(message, file=sys.stderr)
-    return _renamed(table)
+    return _renamed(log_of(one, units, columns, "A log", f" as {name}"))
 
 
 def _renamed(table: Recording) -> Recording:
@@ -127,6 +115,5 @@ def _column(log: str, table: Recording, name: str, unit: str) -> Numbers:
     if name not in table.names:
         hint = " It is the place of the vehicle on its line, the same for all logs." if name == "distance" else ""
         raise ValueError(f"{log} must have the column {name} [{unit}]; got {', '.join(table.names)}.{hint}")
-    if table.units[name] != unit:
-        raise ValueError(f"{name} must be in {unit}; got {table.units[name]} in {log}. Correct the unit.")
+    check_unit(table, name, unit, f"{log}. Correct the unit.")
     return np.asarray(table[name], float)

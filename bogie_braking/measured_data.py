@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from bogie_braking.checks import number, seconds
-from bogie_braking.correlated import Errors, errors_of
+from bogie_braking.checks import number, seconds, shown
 from bogie_braking.histories import Value
+from fmu_src.cosimulation.measured import in_units_of, table_from
 from fmu_src.cosimulation.recording import Recording
 from readers.log_columns import ColumnMap
 from readers.log_rows import after_events, averaged, filled
@@ -63,6 +65,68 @@ class Data:
         high = np.max(np.where(there, wanted, -math.inf), axis=0)
         low = np.min(np.where(there, wanted, math.inf), axis=0)
         return np.where(high > low, high - low, 1.0)
+
+
+def measured_from(path: str | Path, columns: ColumnMap | None = None) -> Recording:
+    """Return a measured run from a file, with time counted from the first row if it is that of a clock.
+
+    Parameters
+    ----------
+    path : str or Path
+        A log with names and units, such as `time [s],speed [km/h]`.
+    columns : mapping, str or Path, optional
+        A map from its names to those of variables, or its TOML file. By default names are guessed, and told on standard
+        error.
+
+    Returns
+    -------
+    Recording
+        Its columns, in the units of its head.
+
+    Raises
+    ------
+    FileError
+        If a file is invalid; the message names file, row, column, value and remedy.
+    TypeError
+        If `path` is not a path.
+    """
+    if isinstance(path, Recording):
+        raise not_a_log("The log", path)
+    return log_of(path, None, columns)
+
+
+def log_of(
+    measured: object,
+    units: Mapping[str, str] | None,
+    columns: ColumnMap | None = None,
+    name: str = "The log",
+    end: str = "",
+) -> Recording:
+    """Return a log, in `units` by name if it has these columns; what was guessed in a file is printed.
+
+    name, end: of a message about something else. Raises TypeError, ValueError, FileError.
+    """
+    if isinstance(measured, Recording):
+        if columns is not None:
+            raise ValueError("columns must be None for a Recording, as its columns have names; give the path of a log.")
+        return in_units_of(measured, units or {})
+    if not isinstance(measured, str | Path):
+        raise not_a_log(name, measured, end)
+    log = table_from(measured, units, columns)
+    for message in log.messages:
+        print(message, file=sys.stderr)
+    return log
+
+
+def not_a_log(name: str, measured: object, end: str = "") -> TypeError:
+    """Return the error of something that is not a log."""
+    return TypeError(f"{name} must be a Recording or the path of a CSV file; got {shown(measured)}{end}.")
+
+
+def check_unit(table: Recording, name: str, unit: str, where: str = "the measured data.") -> None:
+    """Raise ValueError if a column has another unit."""
+    if table.units[name] != unit:
+        raise ValueError(f"{name} must be in {unit}; got {table.units[name]} in {where}")
 
 
 def data_of(table: Recording, names: Sequence[str], driven: Sequence[str], options: Options) -> Data:
@@ -162,28 +226,3 @@ def mismatches(
             begins = f"{name} begins at {first} in the log and at {simulated} in the run."
             found.append(f"{begins} Check initial values and begin.")
     return found
-
-
-def errors_by_output(
-    times: np.ndarray, there: np.ndarray, slopes: np.ndarray, off: np.ndarray, sizes: np.ndarray
-) -> list[Errors]:
-    """Return the errors of each output in its size.
-
-    Takes times [s] (rows,), there (rows, outputs), slopes (values, parameters), off (rows, outputs), sizes (outputs,).
-    """
-    of = np.nonzero(there)[1]
-    columns = [(there[:, place], slopes[of == place], place) for place in range(there.shape[1])]
-    return [errors_of(times[rows], off[rows, place] / sizes[place], part) for rows, part, place in columns]
-
-
-def covariance(times: np.ndarray, there: np.ndarray, errors: Sequence[Errors]) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the function that multiplies columns, shape (values, n), by the covariance of the errors."""
-    of = np.nonzero(there)[1]
-
-    def multiplied(columns: np.ndarray) -> np.ndarray:
-        found = np.empty_like(columns)
-        for place, one in enumerate(errors):
-            found[of == place] = one.times(times[there[:, place]], columns[of == place])
-        return found
-
-    return multiplied

@@ -7,12 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
-from bogie_braking.checks import line_or_none, number, shown
-from bogie_braking.correlated import Errors
-from bogie_braking.fitting import Fit, at_limits, identifiability, in_unit, spread
-from bogie_braking.measured_data import covariance, errors_by_output, mismatches
+from bogie_braking.checks import line_or_none, shown
+from bogie_braking.fitting import Fit, Problem, check_begin, check_parameters, fit_of
+from bogie_braking.measured_data import Data, check_unit
 from bogie_braking.trains import consist_from_any
 from fmu_src.cosimulation.measured import in_units_of, table_from
 from fmu_src.cosimulation.recording import Recording
@@ -28,8 +26,6 @@ from readers.log_rows import after_events
 from readers.tables import read_table
 from readers.usual import likely_unit
 
-#: Relative step of a parameter for a finite difference.
-STEP = 1e-3
 #: Longest stop [s], and communication step of stops and runs [s].
 LONGEST_STOP, EVERY = 900.0, 0.1
 #: Fall of the measured pipe pressure below full service from which it is an emergency [Pa].
@@ -64,64 +60,21 @@ def fit_train(
     first = _begin_of(parameters)
     chosen = settings or select_brake_model(own, releases=True)
     is_run = table.names[0] == "time"
-    wanted = table["speed" if is_run else "distance"]
-    if wanted.size <= first.size:
-        raise ValueError(f"{wanted.size} measured values do not decide on {first.size} parameters. Measure more.")
+    name, clock = "speed" if is_run else "distance", table[table.names[0]]
 
-    def found_by(share: np.ndarray) -> np.ndarray:
+    def simulated(share: np.ndarray, rows: int) -> np.ndarray:
         other = changed(own, dict(zip(parameters, (share * first).tolist(), strict=True)))
         make = _trains(other, along, chosen)
-        return _run(make, table, drive) if is_run else _stops(make, table["speed"].tolist(), drive)
+        return (_run(make, table, drive) if is_run else _stops(make, clock.tolist(), drive))[:rows, None]
 
-    size = float(np.ptp(wanted)) or 1.0
-    bounds = (_limits(parameters) / first[:, None]).T
-    found = least_squares(
-        lambda share: (found_by(share) - wanted) / size, np.ones_like(first), bounds=bounds, diff_step=STEP
-    )
-    return _fit_of(table, parameters, first, found.x, found.jac, found_by(found.x), size)
+    data = Data(clock, clock, table[name][:, None], {})
+    problem = Problem(table, tuple(parameters), first, _limits(parameters), [name], data, clock.size, simulated)
+    return fit_of(problem, over_time=is_run)
 
 
 def _limits(parameters: Mapping[str, float]) -> np.ndarray:
     """Return the limits of parameters, shape (parameters, 2)."""
     return np.array([PARAMETERS[name][1:] for name in parameters])
-
-
-def _fit_of(
-    table: Recording,
-    parameters: Mapping[str, float],
-    first: np.ndarray,
-    share: np.ndarray,
-    slopes: np.ndarray,
-    simulated: np.ndarray,
-    size: float,
-) -> Fit:
-    """Return the result of a fit; share: fitted over initial values; size: range of the measured values."""
-    is_run = table.names[0] == "time"
-    names = ["speed" if is_run else "distance"]
-    off = (simulated - table[names[0]])[:, None]
-    there, places = np.ones_like(off, bool), np.arange(off.size, dtype=float)
-    if is_run:
-        errors = errors_by_output(table["time"], there, slopes, off, np.array([size]))
-    else:
-        errors = [Errors(float(np.sum((off / size) ** 2)) / (off.size - first.size), 0.0, 0.0)]
-    moments = table["time"] if is_run else places
-    standard, unidentifiable = identifiability(slopes, covariance(moments, there, errors), list(parameters))
-    deviations = spread(names, off)
-    fitted = np.c_[table[table.names[0]], simulated]
-    return Fit(
-        dict(zip(parameters, (share * first).tolist(), strict=True)),
-        dict(zip(parameters, (standard * np.abs(first)).tolist(), strict=True)),
-        unidentifiable,
-        deviations,
-        {},
-        table,
-        Recording({one: table.units[one] for one in (table.names[0], names[0])}, fitted),
-        {names[0]: errors[0].time},
-        [
-            *at_limits(parameters, share * first, _limits(parameters), first),
-            *mismatches(deviations, np.zeros(1), table[names[0]][:, None], table.units),  # a run begins as measured
-        ],
-    )
 
 
 def _table(measured: Recording | str | Path) -> Recording:
@@ -130,16 +83,15 @@ def _table(measured: Recording | str | Path) -> Recording:
         measured = _read(Path(measured))
     if not isinstance(measured, Recording):
         raise TypeError(f"The measured data must be a Recording or the path of a file; got {shown(measured)}.")
-    table = in_units_of(measured, RUN | {"distance": "m"})
+    units = RUN | {"distance": "m"}
+    table = in_units_of(measured, units)
     needs = ("time", "speed") if "time" in table.names else ("speed", "distance")
     for name in needs:
         if name not in table.names:
             raise ValueError(f"The measured data must have the columns {needs[0]} and {needs[1]}; {name} is missing.")
     names = [*needs, *(["pipe_pressure"] if needs[0] == "time" and "pipe_pressure" in table.names else [])]
-    units = RUN | {"distance": "m"}
     for name in names:
-        if table.units[name] != units[name]:
-            raise ValueError(f"{name} must be in {units[name]}; got {table.units[name]} in the measured data.")
+        check_unit(table, name, units[name])
     rows = np.column_stack([table[name] for name in names])
     if needs[0] == "time":
         rows = rows[after_events(table["time"])]
@@ -192,16 +144,12 @@ def _read(path: Path) -> Recording:
 
 def _begin_of(parameters: Mapping[str, float]) -> np.ndarray:
     """Return the initial values, shape (parameters,). Raises ValueError."""
-    if not isinstance(parameters, Mapping) or not parameters:
-        raise ValueError(f"parameters must have start values by name; got {shown(parameters)}.")
+    check_parameters(parameters)
     for name, value in parameters.items():
         if name not in PARAMETERS:
             raise ValueError(f"A train has no parameter {name} to be fitted; {suggestion(name, PARAMETERS)}")
         unit, least, most = PARAMETERS[name]
-        if not least < number(value) < most:
-            raise ValueError(
-                f"The initial value of {name} must be between {least:g} and {most:g}{in_unit(unit)}; got {value!r}."
-            )
+        check_begin(name, value, least, most, unit)
     for pair in TWICE:
         if set(pair) <= set(parameters):
             raise ValueError(f"parameters must have {pair[0]} or {pair[1]}, not both. Leave one out.")
