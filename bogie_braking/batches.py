@@ -23,6 +23,7 @@ from bogie_braking.checks import (
     refused,
     seconds,
     shown,
+    whole,
 )
 from bogie_braking.machines import Runnable, batch_machine_of, unfolded
 from fmu_src.batch import BatchLibrary, Ends, Instances, run_batch
@@ -156,9 +157,7 @@ def instances(
     CompilerError
         If no C compiler works.
     """
-    if not isinstance(count, int | np.integer) or count < 1:
-        raise ValueError(f"The number of instances must be a whole number of at least 1; got {shown(count)}.")
-    at_most("instances", int(count), MOST_INSTANCES)
+    count = at_most("instances", whole("the number of instances", count, 1), MOST_INSTANCES)
     library, given = prepared(what, line, values)
     variables = variables_of_batch(library)
     takes = [one.name for one in variables.values() if one.causality == "input"]
@@ -168,7 +167,7 @@ def instances(
     with ExitStack() as kept:
         folder = kept.enter_context(tempfile.TemporaryDirectory())
         more: dict[str, Any] = {"threads": threads_or_none(threads), "path": file_of(line, folder), **given}
-        made = Instances(library, int(count), *names, **more)
+        made = Instances(library, count, *names, **more)
         made.at_close = kept.pop_all().close  # a restarted instance reads the line again
     return made
 
@@ -218,9 +217,7 @@ def variables_of_batch(library: BatchLibrary) -> dict[str, Variable]:
 
 def threads_or_none(count: int | None) -> int | None:
     """Return the number of threads, or None for one per processor. Raises ValueError."""
-    if count is not None and (not isinstance(count, int | np.integer) or count < 1):
-        raise ValueError(f"The number of threads must be a whole number of at least 1; got {shown(count)}.")
-    return None if count is None else at_most("threads", int(count), MOST_THREADS)
+    return None if count is None else at_most("threads", whole("the number of threads", count, 1), MOST_THREADS)
 
 
 def file_of(line: Line | None, folder: str) -> str | None:

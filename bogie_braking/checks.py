@@ -139,6 +139,13 @@ def number(value: Any) -> float:
         return math.nan
 
 
+def whole(what: str, value: Any, least: int) -> int:
+    """Return an integer of at least `least`. Raises ValueError."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+        raise ValueError(f"{what[0].upper()}{what[1:]} must be a whole number of at least {least}; got {shown(value)}.")
+    return int(value)
+
+
 def in_unit(unit: str) -> str:
     """Return a unit as the end of a number, nothing for pure numbers."""
     return "" if unit == "1" else f" {unit}"

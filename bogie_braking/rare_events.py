@@ -14,14 +14,13 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
 from bogie_braking.batches import batch, file_of, prepared, threads_or_none, variables_of_batch
-from bogie_braking.checks import MOST_INSTANCES, at_most, known, number, once, refused, seconds, shown
-from bogie_braking.machines import Runnable, model_from
+from bogie_braking.checks import MOST_INSTANCES, at_most, known, number, once, refused, seconds, shown, whole
+from bogie_braking.machines import Runnable
 from bogie_braking.splitting import POPULATIONS, Numbers, Population, climb, confidence_of, interval_of
 from bogie_braking.splitting_doubts import doubts_about
 from bogie_braking.sweeping import PAYS_FROM, check_executor
 from fmu_src.batch import Ends, run_batch
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.system import System
 from products.study.points import outcomes_from
 from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
@@ -232,16 +231,12 @@ def rare(
     """
     duration, limit = seconds("the duration", duration), finite(f"the limit of {output}", limit)
     particles = at_most("particles", whole("particles", particles, FEWEST_PARTICLES), MOST_INSTANCES)
-    moves, seed, threads = (
-        at_most("moves", whole("moves", moves, 1), MOST_MOVES),
-        whole("the seed", seed, 0),
-        threads_or_none(threads),
-    )
+    moves = at_most("moves", whole("moves", moves, 1), MOST_MOVES)
+    seed, threads = whole("the seed", seed, 0), threads_or_none(threads)
     check_executor(executor, what)
     distributions = distributions_of(vary)
     if twice := {name for names in distributions for name in names} & values.keys():
         raise ValueError(f"{min(twice)} must have a distribution or a number; got both.")
-    what = model_from(what) if isinstance(what, System) else what
     middle = values_of(distributions, np.zeros((1, len(distributions))))
     library, prepared_values = prepared(what, line, {**values, **middle})
     shared = {name: value for name, value in prepared_values.items() if name not in middle}
@@ -255,7 +250,8 @@ def rare(
             return [run_batch(library, {**shared, **given}, duration, names, threads, path)]
 
         if executor is not None:
-            make = partial(made_by, executor, partial(one_task, what, duration, names, line, values))
+            task = partial(batch, what, duration, names, line, 1, False, **values)
+            make = partial(made_by, executor, partial(called, task))
         runs = Runs(distributions, make, output, limit)
         idle, probed = runs.without_effect(seed)
         populations, climbed = climb(runs, len(distributions), limit, particles, moves, seed)
@@ -349,33 +345,20 @@ def worst_of(populations: Sequence[Population], runs: Runs, units: Mapping[str, 
     return Recording(units, np.column_stack([columns[name] for name in units]))
 
 
-def tasks_of(given: Mapping[str, Numbers]) -> list[dict[str, Numbers]]:
-    """Return values in parts of at least a thousand runs, or in one part if there are fewer."""
-    count = len(next(iter(given.values())))
-    parts = np.array_split(np.arange(count), max(1, count // PAYS_FROM))
-    return [{name: value[part] for name, value in given.items()} for part in parts]
-
-
 def made_by(
     executor: Executor, work: Callable[[Mapping[str, Numbers]], Ends], given: Mapping[str, Numbers]
 ) -> list[Ends]:
-    """Return the ends of runs that an executor makes in tasks, in their order."""
-    tasks = dict(enumerate(tasks_of(given)))
+    """Return the ends of runs that an executor makes in tasks of at least a thousand, in their order."""
+    count = len(next(iter(given.values())))
+    parts = np.array_split(np.arange(count), max(1, count // PAYS_FROM))
+    tasks = {number: {name: value[part] for name, value in given.items()} for number, part in enumerate(parts)}
     made = dict(outcomes_from(executor, work, tasks, len(tasks)))
     return [made[number].result() for number in tasks]
 
 
-def one_task(
-    what: Runnable | DataSheet,
-    duration: float,
-    names: Sequence[str],
-    line: Line | None,
-    values: Mapping[str, float],
-    given: Mapping[str, Numbers],
-) -> Ends:
-    """Run one task of an executor: a batch in one thread."""
-    numbers: dict[str, Any] = {**values, **given}
-    return batch(what, duration, names, line, 1, **numbers)
+def called(task: Callable[..., Ends], values: Mapping[str, Numbers]) -> Ends:
+    """Return the ends of one task of an executor."""
+    return task(**values)
 
 
 def finite(what: str, value: Any) -> float:
@@ -383,10 +366,3 @@ def finite(what: str, value: Any) -> float:
     if not np.isfinite(number(value)):
         raise ValueError(f"{what[0].upper()}{what[1:]} must be a finite number; got {shown(value)}.")
     return float(value)
-
-
-def whole(what: str, value: Any, least: int) -> int:
-    """Return an integer of at least `least`. Raises ValueError."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-        raise ValueError(f"{what[0].upper()}{what[1:]} must be a whole number of at least {least}; got {shown(value)}.")
-    return int(value)
