@@ -74,7 +74,7 @@ def fit_train(
 
 def _limits(parameters: Mapping[str, float]) -> np.ndarray:
     """Return the limits of parameters, shape (parameters, 2)."""
-    return np.array([PARAMETERS[name][1:] for name in parameters])
+    return np.array([(PARAMETERS[name].least, PARAMETERS[name].most) for name in parameters])
 
 
 def _table(measured: Recording | str | Path) -> Recording:
@@ -148,7 +148,7 @@ def _begin_of(parameters: Mapping[str, float]) -> np.ndarray:
     for name, value in parameters.items():
         if name not in PARAMETERS:
             raise ValueError(f"A train has no parameter {name} to be fitted; {suggestion(name, PARAMETERS)}")
-        unit, least, most = PARAMETERS[name]
+        unit, least, most = PARAMETERS[name].unit, PARAMETERS[name].least, PARAMETERS[name].most
         check_begin(name, value, least, most, unit)
     for pair in TWICE:
         if set(pair) <= set(parameters):

@@ -12,7 +12,7 @@ from bogie_braking.checks import line_or_none, shown
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist, TrainVehicle
 from products.train.consist_file import consist_of
-from products.train.foreign import consist_from
+from products.train.imported_consist import consist_from
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line

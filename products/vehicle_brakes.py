@@ -16,8 +16,8 @@ from brake_controller.parameters import qr30
 from brake_controller.shoe_friction import CAST_IRON_P6, CAST_IRON_P10, COMPOSITE, COMPOSITE_BY_FORCE, CONSTANT
 from products.braked_vehicle import TIMED, TIMED_DISCS
 from products.machine import APPLICATION_TIME, FULL_PRESSURE, RELEASE_TIME, coach_brake, of_pads
-from products.train.columns import NUMBERS
-from products.train.stated import CYLINDER
+from products.train.brake_columns import CYLINDER
+from products.train.consist_columns import NUMBERS
 from products.vehicle_entries import Entry, choice_of, number_of
 
 #: Friction laws of shoes by their names in a file, which are those of consists; and by their older names.
@@ -37,15 +37,13 @@ RELEASED = 40e3
 ASSESSED = 120.0 / 3.6
 #: Entries that state the brake; a file has those of one line.
 STATEMENTS = (("deceleration",), ("percentage",), ("force",), ("cylinder_diameter", "cylinders", "rigging_ratio"))
-#: Unit of a column of consists -> SI.
-_SCALE = {"1": 1.0, "%": 1.0, "s": 1.0, "N": 1.0, "m/s2": 1.0, "mm": 1e-3, "kN": 1e3, "bar": 1e5}
 
 
 def _as_in_consists(column: str, unit: str, text: str, whole: bool = False) -> Entry:
     """Return an entry with the limits of a column of consists, which states the same in its own unit."""
-    given, least, most = NUMBERS[column]
-    scale = _SCALE[given]
-    return Entry(unit, scale * least, scale * most, text, whole=whole)
+    of_consist = NUMBERS[column]
+    scale = 1.0 if unit == of_consist.unit else of_consist.scale
+    return Entry(unit, scale * of_consist.least, scale * of_consist.most, text, whole=whole)
 
 
 BRAKE_ENTRIES: Mapping[str, Entry] = {

@@ -15,7 +15,7 @@ from products.etcs_files.train_file import EtcsTrain, etcs_train_in
 from products.supervision import Steps, SupervisedTrain, dry_factors, rounded_down
 from products.supervision.conversion import MOST as LARGEST_PERCENTAGE
 from products.train.consist import Consist
-from products.train.foreign import consist_from
+from products.train.imported_consist import consist_from
 from readers.text import BadInputError
 
 #: Largest speed by default [m/s].

@@ -65,7 +65,7 @@ def run(chosen: argparse.Namespace) -> int:
 def import_train(chosen: argparse.Namespace) -> int:
     """Import a train, print the account of its fields, write it with --out."""
     from products.train.consist_writer import write_consist
-    from products.train.foreign import imported_consist
+    from products.train.imported_consist import imported_consist
 
     if chosen.file.suffix.lower() in OWN:
         raise BadInputError(
@@ -111,7 +111,7 @@ def account(found: Imported) -> list[str]:
 
 def check(chosen: argparse.Namespace) -> int:
     """Print the numbers of a consist."""
-    from products.train.foreign import consist_from
+    from products.train.imported_consist import consist_from
     from products.train.summary import summary_of
 
     try:

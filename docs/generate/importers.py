@@ -14,7 +14,7 @@ from pathlib import Path
 from pages import DOCS, write_or_check
 
 from products.train.consist import Consist
-from products.train.foreign import imported_consist
+from products.train.imported_consist import imported_consist
 from products.train.summary import brake_force
 
 PAGE = DOCS / "consists.md"

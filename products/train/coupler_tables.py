@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from fmu_src.suggestion import suggestion
-from products.train.columns import LONGEST_NAME, NUMBERS, number_with_unit
+from products.train.consist_columns import LONGEST_NAME, NUMBERS
 from rbd_model.train.coupler import COUPLERS, Coupler, Curve
+from readers.quantity import Quantity, by_name
 from readers.text import quoted, shown
 from readers.toml_files import toml_of
 
@@ -31,16 +32,20 @@ TOML = ".toml"
 SENSES = ("tension", "compression")
 #: Most points of a table, and its limits: travel [mm], force [kN].
 MOST_POINTS, FARTHEST, STRONGEST = 16, 1000.0, 20e3
-LISTS = {
-    "travel": ("mm", 0.0, FARTHEST),
-    "loading": ("kN", 0.0, STRONGEST),
-    "unloading": ("kN", 0.0, STRONGEST),
-    "unloading_travel": ("mm", 0.0, FARTHEST),
-}
-#: Numbers of a device, and of a coupling, with units and limits.
-OF_DEVICE = {"damping": ("1", 0.0, 0.95), "preload": ("kN", 0.0, 500.0), "stroke": ("mm", 1.0, FARTHEST)}
+LISTS = by_name(
+    Quantity("travel", "mm", 0.0, FARTHEST),
+    Quantity("loading", "kN", 0.0, STRONGEST),
+    Quantity("unloading", "kN", 0.0, STRONGEST),
+    Quantity("unloading_travel", "mm", 0.0, FARTHEST),
+)
+#: Numbers of a device, and of a coupling.
+OF_DEVICE = by_name(
+    Quantity("damping", "1", 0.0, 0.95),
+    Quantity("preload", "kN", 0.0, 500.0),
+    Quantity("stroke", "mm", 1.0, FARTHEST),
+)
 OF_COUPLING = {
-    "sticking_stiffness": ("MN/m", 1.0, 1000.0),
+    "sticking_stiffness": Quantity("sticking_stiffness", "MN/m", 1.0, 1000.0),
     "slack": NUMBERS["coupler_slack"],
     "strength": NUMBERS["coupler_strength"],
 }
@@ -163,12 +168,11 @@ def _checked(table: Any) -> dict[str, Any]:
     return found
 
 
-def _number(name: str, value: Any, limits: tuple[str, float, float]) -> float:
-    unit, least, most = limits
-    number = number_with_unit(value, unit)
-    if not least <= number <= most:
-        between = f"{least:g} to {most:g}" + ("" if unit == "1" else f" {unit}")
-        raise ValueError(f"{name} must be a number from {between}; got {shown(value)}. Correct it, or its unit.")
+def _number(name: str, value: Any, quantity: Quantity) -> float:
+    number = quantity.number(value)
+    if not quantity.least <= number <= quantity.most:
+        limits = f"a number from {quantity.limits}"
+        raise ValueError(f"{name} must be {limits}; got {shown(value)}. Correct it, or its unit.")
     return number
 
 
@@ -278,7 +282,7 @@ def _sticking(values: Mapping[str, Any], pairs: Mapping[str, tuple[Curve, Curve]
         for one in pair
         for (a, fa), (b, fb) in pairwise(zip(one.ways, one.forces, strict=True))
     ]
-    steepest, (_, _, most) = max(slopes), OF_COUPLING["sticking_stiffness"]
+    steepest, most = max(slopes), OF_COUPLING["sticking_stiffness"].most
     if steepest > 1e6 * most:
         raise ValueError(
             f"curves of the coupling must rise by at most {most:g} MN/m; got {1e-6 * steepest:.4g} MN/m. Correct the "

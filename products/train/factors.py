@@ -9,20 +9,21 @@ from brake_controller.distributors import ep_direct, kind_of
 from brake_controller.distributors.ep_direct import RELEASED, EpDirect
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import UicDistributor, release_time, with_times
-from products.train.columns import AIR, FORCE
 from products.train.consist import Consist, TrainVehicle, braked_by
+from products.train.consist_columns import AIR, FORCE
+from readers.quantity import Quantity, by_name
 
 #: Parameters with unit and limits: brake weight percentage of each braked vehicle; factor on all brake forces; filling
 #: time; factor on the running resistance; running resistance of the whole train.
-PARAMETERS: dict[str, tuple[str, float, float]] = {
-    "lambda": FORCE["lambda"],
-    "brake_factor": ("1", 0.01, 100.0),
-    "fill_time": AIR["fill_time"],
-    "resistance_factor": ("1", 0.01, 100.0),
-    "resistance_a": ("N", 0.1, 1e8),
-    "resistance_b": ("N/(m/s)", 1e-3, 1e7),
-    "resistance_c": ("N/(m/s)^2", 1e-4, 1e6),
-}
+PARAMETERS = by_name(
+    FORCE["lambda"],
+    Quantity("brake_factor", "1", 0.01, 100.0),
+    AIR["fill_time"],
+    Quantity("resistance_factor", "1", 0.01, 100.0),
+    Quantity("resistance_a", "N", 0.1, 1e8),
+    Quantity("resistance_b", "N/(m/s)", 1e-3, 1e7),
+    Quantity("resistance_c", "N/(m/s)^2", 1e-4, 1e6),
+)
 #: Pairs of parameters that say the same in two ways.
 TWICE = (
     ("lambda", "brake_factor"),

@@ -12,7 +12,7 @@ from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, ArrayVariable
 from products.train import layout
 from products.train.consist import Consist, block_train
 from products.train.consist_writer import toml_of_rows
-from products.train.foreign import consist_from
+from products.train.imported_consist import consist_from
 from products.train.layout import START_FRICTION, START_PIPE_PRESSURE, Array
 from products.train.library import FOLDER, sources
 from products.train.numbers import Settings, numbers_of

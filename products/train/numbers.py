@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from brake_controller.air import AMBIENT, WALL
 from brake_controller.distributors import DISTRIBUTORS, keeps_pipe, kind_of
 from products.train.consist import Consist
-from products.train.effects import without_effect
 from products.train.layout import BRAKE_MODELS, UNBREAKABLE, Rows, laid
 from products.train.pipe import COURANT
+from products.train.unused_values import without_effect
 from rbd_model.track.line import FRICTIONS, Line
 from rbd_model.train.adhesion import ADHESIONS
 from rbd_model.train.coupler import fastest

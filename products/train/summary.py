@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby, pairwise
+from itertools import groupby, islice, pairwise
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from brake_controller.brake_weight import braked_weight
 from brake_controller.vehicle_brake import braking
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist, TrainVehicle
-from products.train.stated_extra import held_by, slides_at
+from products.train.layout import START_FRICTION
 from products.train.train import Train
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.impact import capacity
@@ -134,12 +134,16 @@ def _remarks(consist: Consist) -> tuple[str, ...]:
     found = []
     if ahead and last.coupler not in (ahead[-1].coupler, screw_coupler()):
         found.append(f"The {last.coupler.name} coupler of the last vehicle has no effect: nothing is behind it.")
-    parked = sum(held_by(one.parking, one.motion()["weight"]) for one in consist.vehicles)
-    if parked:
+    parking = [(one.parking.parking_force, START_FRICTION * one.motion()["weight"]) for one in consist.vehicles]
+    if parked := sum(min(force, most) for force, most in parking):  # what a dry rail transmits, Coulomb's law
         gradient = 1e3 * parked / (consist.mass * GRAVITY)
         found.append(f"Parking brakes: {1e-3 * parked:.1f} kN, which hold the train on {gradient:.1f} permille.")
-    slides = ((n, slides_at(one.parking, one.motion()["weight"])) for n, one in enumerate(consist.vehicles, 1))
-    found += [f"Vehicle {number}: {remark}." for number, remark in slides if remark][:1]
+    slides = ((number, *forces) for number, forces in enumerate(parking, 1) if forces[0] > forces[1])
+    for number, force, most in islice(slides, 1):
+        found.append(
+            f"Vehicle {number}: parking_force {1e-3 * force:.4g} kN is above the {1e-3 * most:.4g} kN that a rail of "
+            f"friction {START_FRICTION:g} transmits: its wheels slide first."
+        )
     if any(one.track.magnetic_attraction + one.track.eddy_force > 0.0 for one in consist.vehicles):
         found.append("Track brakes are part of the stops, not of lambda and brake force.")
     return tuple(found)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from products.train.stated_heat import BODIES
+from products.train.heat_columns import BODIES
 
 #: Cells of a slab, and step relative to the longest stable one.
 CELLS, SHARE = 40, 0.4

@@ -22,7 +22,7 @@ from brake_controller.brake_heat import DISCS, SURROUNDINGS, WHEELS
 from brake_controller.slab_surface import GAINS, RATES
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist_file import consist_of
-from products.train.stated_heat import BODIES
+from products.train.heat_columns import BODIES
 from products.train.train import Train
 from scenarios.bench.warm_slab import Slab
 

@@ -23,8 +23,8 @@ from brake_controller.brake_heat import SURROUNDINGS, WHEELS, BrakeHeat
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist_file import consist_of
 from products.train.driver import HoldingDriver
+from products.train.heat_columns import BODIES, STEEL, ZERO
 from products.train.numbers import Settings
-from products.train.stated_heat import BODIES, STEEL, ZERO
 from products.train.train import Train
 from rbd_model.track.line import Line
 from rbd_model.train.vehicle import GRAVITY

@@ -15,7 +15,7 @@ import pytest
 
 from products.train.consist import Consist
 from products.train.consist_file import consist_of
-from products.train.foreign import imported_consist
+from products.train.imported_consist import imported_consist
 from products.train.summary import brake_force
 from products.train.train import Train
 from readers.formats.trains import read_foreign

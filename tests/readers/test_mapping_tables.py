@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from products.train.columns import NAMES, WORDS, choices
+from products.train.consist_columns import NAMES, WORDS, choices
 from readers.formats import Row
 from readers.formats.trains import read_foreign
 from tests.readers.test_foreign_drives import CURVES, LOCOMOTIVES, STOCK

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from products.train.consist_file import consist_of
-from products.train.foreign import imported_consist
+from products.train.imported_consist import imported_consist
 from products.train.summary import brake_force
 from readers.formats import Imported
 from readers.formats.open_rails_text import DEEPEST, DEEPEST_INCLUDE, MOST_INCLUDES, Reader

@@ -13,10 +13,10 @@ import pytest
 import bogie_braking as bb
 from bogie_braking.__main__ import main
 from products.building import build_all
-from products.train.columns import MOST, VEHICLE
+from products.train.consist_columns import MOST, VEHICLE
 from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
-from products.train.foreign import ESSENTIAL, consist_from, imported_consist
+from products.train.imported_consist import ESSENTIAL, consist_from, imported_consist
 from products.train.summary import brake_force, summary_of
 from rbd_model.train.coupler import rigid
 from readers.formats import vehicle_rows
@@ -217,8 +217,9 @@ def test_a_resistance_beyond_its_limit_is_refused_with_it(tmp_path: Path) -> Non
 
 
 def test_limits_of_importers_are_those_of_consists() -> None:
-    assert VEHICLE["length"][1:] == (vehicle_rows.SHORTEST, vehicle_rows.LONGEST)
-    assert VEHICLE["mass"][1:] == (vehicle_rows.LIGHTEST, vehicle_rows.HEAVIEST)
+    length, mass = VEHICLE["length"], VEHICLE["mass"]
+    assert (length.least, length.most) == (vehicle_rows.SHORTEST, vehicle_rows.LONGEST)
+    assert (mass.least, mass.most) == (vehicle_rows.LIGHTEST, vehicle_rows.HEAVIEST)
     assert vehicle_rows.MOST == MOST
     assert "mass" in ESSENTIAL
 

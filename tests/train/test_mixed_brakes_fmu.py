@@ -13,7 +13,7 @@ import bogie_braking as bb
 from brake_controller.distributors import pneumatic
 from fmu_src.cosimulation.slave import FmuInstance
 from products.building import write_in_c
-from products.train.columns import NAMES
+from products.train.consist_columns import NAMES
 from products.train.fmu import INPUTS, OUTPUTS, PARAMETERS, train_fmu
 from products.train.train import Train
 

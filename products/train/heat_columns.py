@@ -1,4 +1,4 @@
-"""The heat of a vehicle's brake as a row of a consist states it, and the row that states it."""
+"""The heat of a vehicle's brake in the columns of a consist, both ways."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from typing import Any
 
 from brake_controller.brake_heat import DISCS, FADE, NO_BRAKE_HEAT, NO_FADE, WHEELS, BrakeHeat
 from brake_controller.discs import axle_discs
-from brake_controller.point_table import MOST_POINTS
 from brake_controller.vehicle_brake import VehicleBrake, law_named
-from products.train.columns import HEAT
-from products.train.pairs import pairs_of, text_of
-from products.train.stated import PAD_RADIUS
+from products.train.brake_columns import PAD_RADIUS
+from products.train.cell_tables import points_in, text_of
+from products.train.consist_columns import HEAT, si
 
 #: Temperature of 0 degC [K].
 ZERO = 273.15
@@ -29,8 +28,6 @@ BLOCK_COOLING, BLOCK_COOLING_SPEED = 2.0, 0.3
 OF_BLOCKS = ("cast-iron-p6", "cast-iron-p10", "composite", "composite-k")
 #: Relative excess of a thickness that is rounding.
 ROUNDING = 1e-9
-#: Limits of `fade_table` [degC], [1].
-HOT, SHARES = (0.0, 1500.0), (0.0, 2.0)
 
 
 @dataclass(frozen=True)
@@ -73,27 +70,8 @@ BODIES = _bodies()
 NUMBER = 8.0
 
 
-def check_heat(values: Mapping[str, Any]) -> None:
-    """Check that a row states the heat of its brake completely, and once. Raises ValueError."""
-    masses = [one.mass for one in BODIES.values()]
-    stated = [name for name in masses if name in values]
-    if len(stated) > 1:
-        raise ValueError(f"{stated[0]} must be left out with {stated[1]}: one body takes the heat. Leave one out.")
-    for one in BODIES.values():
-        if one.number in values and one.mass not in values:
-            raise ValueError(f"{one.number} must come with {one.mass}. Add it, or leave {one.number} out.")
-    for name in (*HEAT, "fade_table"):
-        if name in values and not stated:
-            raise ValueError(f"{name} must come with {' or '.join(masses)}. Add it, or leave {name} out.")
-    for name in HEAT:
-        if name == "rubbed_area" and name in values and "thickness" not in values:
-            raise ValueError("rubbed_area must come with thickness. Add it, or leave rubbed_area out.")
-        if name.startswith("block_") and name in values and "block_mass" not in values:
-            raise ValueError(f"{name} must come with block_mass. Add it, or leave {name} out.")
-
-
 def heat_of(values: Mapping[str, Any], brake: VehicleBrake) -> BrakeHeat:
-    """Return the heat of a brake by a row that `check_heat` has checked; without masses it stays cold."""
+    """Return the heat of a brake by a row; without masses it stays cold. Raises ValueError."""
     rubbed = next((number for number, one in BODIES.items() if one.mass in values), None)
     if rubbed is None:
         return NO_BRAKE_HEAT
@@ -106,6 +84,10 @@ def heat_of(values: Mapping[str, Any], brake: VehicleBrake) -> BrakeHeat:
     usual = axle_discs().disc_heat_share if rubbed == DISCS else SHARE_CAST_IRON if iron else SHARE
     block = BLOCK_CAST_IRON if iron else BLOCK
     blocks = number if "block_mass" in values else 0.0
+    fade: Mapping[str, float] = NO_FADE
+    if "fade_table" in values:
+        places, shares = points_in("fade_table", values["fade_table"])
+        fade = FADE.numbers([place + ZERO for place in places], shares)
     return BrakeHeat(
         rubbed=float(rubbed),
         heat_capacity=number * values[body.mass] * body.capacity,
@@ -116,7 +98,7 @@ def heat_of(values: Mapping[str, Any], brake: VehicleBrake) -> BrakeHeat:
         block_capacity=blocks * values.get("block_mass", 0.0) * values.get("block_heat", block),
         block_cooling_at_rest=blocks * values.get("block_cooling", BLOCK_COOLING),
         block_cooling_over_speed=blocks * values.get("block_cooling_speed", BLOCK_COOLING_SPEED),
-        **_fade_of(values),
+        **fade,
     )
 
 
@@ -124,7 +106,7 @@ def _conduction(values: Mapping[str, Any], body: Body, number: float) -> dict[st
     """Return time and resistance of conduction through rims or discs: L^2 / a and L / (k A). Raises ValueError."""
     if "thickness" not in values:
         return {"conduction_time": 0.0, "conduction_resistance": 0.0}
-    thickness, area = 1e-3 * values["thickness"], values.get("rubbed_area", body.area)
+    thickness, area = si(values, "thickness"), values.get("rubbed_area", body.area)
     most = 1e3 * values[body.mass] / (body.density * area)
     if 1e3 * thickness > most * (1 + ROUNDING):
         raise ValueError(
@@ -137,20 +119,6 @@ def _conduction(values: Mapping[str, Any], body: Body, number: float) -> dict[st
     }
 
 
-def _fade_of(values: Mapping[str, Any]) -> dict[str, float]:
-    text = values.get("fade_table")
-    if text is None:
-        return NO_FADE
-    read = pairs_of(text, HOT, SHARES)
-    if read is None:
-        raise ValueError(
-            f"fade_table must be 2 to {MOST_POINTS} pairs of a temperature that rises, from {HOT[0]:g} to {HOT[1]:g} "
-            f"degC, and a share of friction from {SHARES[0]:g} to {SHARES[1]:g}; got "
-            f"{text!r}. Write it as 250:1 450:0.3."
-        )
-    return FADE.numbers([place + ZERO for place in read[0]], read[1])
-
-
 def row_of_heat(one: BrakeHeat) -> dict[str, Any]:
     """Return the columns of a brake's heat: eight wheels or discs alike, or as many more as the limits of one need."""
     if not one.heat_capacity:
@@ -158,7 +126,7 @@ def row_of_heat(one: BrakeHeat) -> dict[str, Any]:
     row: dict[str, Any] = {}
     for number in (8, 16, 32, 64, 96):
         row = _row_of(one, number)
-        if all(row[name] <= HEAT[name][2] for name in row):
+        if all(row[name] <= HEAT[name].most for name in row):
             break
     if any(one.values()[name] != value for name, value in NO_FADE.items()):
         places, shares = FADE.points(one.values())

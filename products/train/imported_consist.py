@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from brake_controller.distributors.uic import UicDistributor, freight, reached_pressure
-from products.train.columns import COUPLING, NUMBERS
 from products.train.consist import Consist, TrainVehicle
+from products.train.consist_columns import COUPLING, NUMBERS
 from products.train.consist_file import consist_of, read_consist
 from readers.formats import Imported, Row
 from readers.formats.trains import is_foreign, read_foreign
@@ -61,13 +61,12 @@ def _fitted(row: Row) -> tuple[Row, dict[str, str]]:
     for name, value in row.items():
         if name in ESSENTIAL or name not in NUMBERS:
             continue
-        if not NUMBERS[name][1] <= value <= NUMBERS[name][2]:
-            unit, least, most = NUMBERS[name]
-            limits = f"{least:g} to {most:g}" if unit == "1" else f"{least:g} to {most:g} {unit}"
-            outside[name] = f"{name}: {value:.4g} is outside {limits}"
+        column = NUMBERS[name]
+        if not column.least <= value <= column.most:
+            outside[name] = f"{name}: {value:.4g} is outside {column.limits}"
             del kept[name]
             if name in NEAREST and not math.isnan(value):
-                kept[name] = min(max(value, least), most)
+                kept[name] = min(max(value, column.least), column.most)
     for one in [name for name in WHOLE if name in outside]:
         for name in WHOLE[one][1]:
             kept.pop(name, None)
@@ -96,11 +95,10 @@ def _defaults(one: TrainVehicle, row: Row) -> dict[str, str]:
     if isinstance(one.distributor, UicDistributor):
         numbers["auxiliary"] = 1e3 * one.distributor.auxiliary_volume
         numbers["cylinder"] = 1e3 * one.distributor.cylinder_volume
-    units = {name: "" if NUMBERS[name][0] == "1" else f" {NUMBERS[name][0]}" for name in numbers}
     told = dict.fromkeys(NUMBERS, "it is left out")
     told |= {name: f"the {what} left out" for name, (what, _) in WHOLE.items()}
     told |= dict.fromkeys(COUPLING, f"that of the {one.coupler.name} coupler is taken")
-    told |= {name: f"the default of {value:.4g}{units[name]} is taken" for name, value in numbers.items()}
+    told |= {name: f"the default of {value:.4g}{NUMBERS[name].of_unit} is taken" for name, value in numbers.items()}
     return told | {name: f"{row[name]:.4g} s is taken" for name in NEAREST if name in row}
 
 

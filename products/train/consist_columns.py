@@ -1,0 +1,219 @@
+"""Columns of a consist: names, units, limits and words. Tables in docs/train.md, docs/train-brakes.md and
+docs/train-couplers.md explain each.
+
+A CSV file has them in its first row, a TOML file as keys of each [[vehicle]].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any
+
+from brake_controller.distributors import BRAKES, pneumatic
+from brake_controller.distributors.aar import RETAINERS
+from brake_controller.electric_brake import BLENDINGS
+from brake_controller.parking_brake import COMPOUNDING
+from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
+from fmu_src.suggestion import suggestion
+from products.train.cell_tables import CELL_TABLES
+from products.train.consist import KINDS, LONGEST_VEHICLE
+from rbd_model.train.adhesion import ADHESIONS
+from rbd_model.train.coupler import COUPLERS
+from readers.columns import LONGEST_TEXT, Column
+from readers.quantity import Quantity, by_name
+from readers.text import quoted, shown
+
+#: Largest number of vehicles, and of characters of a name.
+MOST, LONGEST_NAME = 2000, LONGEST_TEXT
+#: Numbers with unit and limits. Columns of the vehicle itself, and of its resistance a + b v + c v^2.
+VEHICLE = by_name(
+    Quantity("count", "1", 1, MOST, whole=True),
+    Quantity("load", "t", 0.0, 200.0, above_0=0.05),
+    Quantity("mass", "t", 1.0, 300.0),
+    Quantity("length", "m", 3.0, LONGEST_VEHICLE),
+    Quantity("rotating", "%", 0.0, 100.0, above_0=0.3),
+    Quantity("resistance_a", "N", 0.0, 1e5),
+    Quantity("resistance_b", "N/(m/s)", 0.0, 1e4),
+    Quantity("resistance_c", "N/(m/s)^2", 0.0, 1e3),
+    Quantity("friction_ratio", "1", 0.0, 1.0),
+    Quantity("friction_decay", "s/m", 0.0, 10.0),
+)
+#: Columns that state the brake's force, one group of them in a row, and its friction.
+FORCE = by_name(
+    Quantity("lambda", "%", 5.0, 250.0),
+    Quantity("deceleration", "m/s2", 0.01, 3.0),
+    Quantity("brake_force", "kN", 0.1, 1000.0),
+    Quantity("shoe_force", "kN", 0.1, 5000.0),
+    Quantity("shoes", "1", 1, 96, whole=True),
+    Quantity("cylinder_diameter", "mm", 50.0, 1000.0),
+    Quantity("cylinders", "1", 1, 32, whole=True),
+    Quantity("rigging_ratio", "1", 0.1, 50.0),
+    Quantity("rigging_efficiency", "1", 0.1, 1.0),
+    Quantity("return_force", "N", 0.0, 20e3),
+    Quantity("friction_value", "1", 0.01, 1.0),
+    Quantity("friction_fast", "1", 0.001, 1.0),
+    Quantity("friction_speed", "km/h", 0.1, 1000.0),
+    Quantity("friction_radius", "1", 0.1, 1.0),
+)
+#: Columns of the air: cylinder, reservoirs and pipe; the driver's valve.
+AIR = by_name(
+    Quantity("full_pressure", "bar", 1.0, 8.0),
+    Quantity("fill_time", "s", 0.5, 120.0),
+    Quantity("release_time", "s", 0.5, 240.0),
+    Quantity("auxiliary", "l", 5.0, 1000.0),
+    Quantity("cylinder", "l", 0.5, 200.0),
+    Quantity("pipe_diameter", "mm", 15.0, 60.0),
+    Quantity("at", "1", 0.0, 1.0),
+    Quantity("leak", "mm", 0.0, 10.0),
+    Quantity("branch", "l", 0.0, 25.0),
+    Quantity("delay", "s", 0.0, 9.0),
+    Quantity("service_rate", "bar/s", 0.01, 5.0),
+    Quantity("exhaust", "mm", 1.0, 30.0),
+    Quantity("empty_load", "1", 0.3, 0.9),
+)
+#: Columns of the electric command and of the electric brake.
+ELECTRIC = by_name(
+    Quantity("dead_time", "s", 0.0, 9.0),
+    Quantity("dynamic_force", "kN", 0.1, 1000.0),
+    Quantity("dynamic_power", "kW", 10.0, 20e3),
+    Quantity("dynamic_fade", "km/h", 0.0, 100.0),
+    Quantity("dynamic_rise", "s", 0.0, 30.0),
+    Quantity("blending_speed", "km/h", 0.0, 300.0),
+)
+#: Columns of the motors.
+TRACTION = by_name(
+    Quantity("traction_force", "kN", 0.1, 2000.0),
+    Quantity("traction_power", "kW", 10.0, 30e3),
+    Quantity("traction_rise", "s", 0.0, 60.0),
+    Quantity("traction_cut_out", "bar", 0.0, 4.8),
+)
+#: Columns of the heat of brakes; those of one wheel or disc and of the blocks or pads on it, except its number.
+HEAT = by_name(
+    Quantity("wheel_mass", "kg", 1.0, 5000.0),
+    Quantity("wheels", "1", 1, 96, whole=True),
+    Quantity("disc_mass", "kg", 1.0, 5000.0),
+    Quantity("discs", "1", 1, 96, whole=True),
+    Quantity("heat_share", "1", 0.0, 1.0),
+    Quantity("cooling", "W/K", 0.0, 1000.0),
+    Quantity("cooling_speed", "W.s/(K.m)", 0.0, 100.0),
+    Quantity("thickness", "mm", 2.0, 200.0),
+    Quantity("rubbed_area", "m2", 0.01, 2.0),
+    Quantity("block_mass", "kg", 0.1, 500.0),
+    Quantity("block_heat", "J/(kg.K)", 100.0, 3000.0),
+    Quantity("block_cooling", "W/K", 0.0, 100.0),
+    Quantity("block_cooling_speed", "W.s/(K.m)", 0.0, 10.0),
+)
+#: Columns of track brakes: magnets on the rails, eddy currents in them, and the pressure of the pipe that applies both.
+TRACK = by_name(
+    Quantity("magnetic_attraction", "kN", 1.0, 2000.0),
+    Quantity("magnetic_friction", "1", 0.01, 0.5),
+    Quantity("magnetic_fast", "1", 0.001, 0.5),
+    Quantity("magnetic_speed", "km/h", 0.1, 1000.0),
+    Quantity("magnetic_lift", "km/h", 0.0, 100.0),
+    Quantity("magnetic_from", "km/h", 0.0, 200.0),
+    Quantity("magnetic_rise", "s", 0.0, 10.0),
+    Quantity("eddy_force", "kN", 0.1, 500.0),
+    Quantity("eddy_speed", "km/h", 10.0, 1000.0),
+    Quantity("eddy_rise", "s", 0.0, 10.0),
+    Quantity("track_brake_pressure", "bar", 0.0, 4.8),
+)
+#: Columns of the hand brake or spring-applied parking brake.
+PARKING = by_name(
+    Quantity("parking_force", "kN", 0.1, 1000.0),
+    Quantity("parking_gradient", "permille", 0.1, 300.0),
+    Quantity("parking_time", "s", 0.0, 300.0),
+)
+#: Columns of the coupler behind a vehicle, in place of numbers of the built-in one.
+COUPLING = by_name(
+    Quantity("coupler_stiffness", "MN/m", 0.1, 1000.0),
+    Quantity("coupler_preload", "kN", 0.0, 500.0),
+    Quantity("coupler_slack", "mm", 0.0, 200.0, above_0=0.2),
+    Quantity("coupler_damping", "1", 0.0, 0.95),
+    Quantity("coupler_strength", "kN", 10.0, 10e3),
+)
+NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING
+#: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
+WORDS: dict[str, Collection[str]] = {
+    "kind": tuple(KINDS),
+    "brake": tuple(BRAKES),
+    "distributor": (),
+    "retainer": RETAINERS,
+    "accelerated_release": ("yes", "no"),
+    "position": ("P", "G"),
+    "friction": (*FRICTIONS, *FORCELESS),
+    "adhesion": tuple(ADHESIONS),
+    "coupler": tuple(COUPLERS),
+    "weighing": ("lever", "continuous"),
+    "valve": ("head", "second", "none"),
+    "parking_compounding": tuple(COMPOUNDING),
+    "blending": tuple(BLENDINGS),
+}
+#: Words of brakes that are not modelled, and what to take instead.
+NOT_MODELLED = {
+    "vacuum": "A vacuum brake is not modelled: take distributor = uic with its force, fill_time and release_time."
+}
+#: Columns of free text, a name and tables, with their largest numbers of characters.
+TEXTS = {"name": LONGEST_NAME} | dict.fromkeys(CELL_TABLES, 400)
+#: All names, in the order in which files are written.
+NAMES = (
+    *("kind", "name", *VEHICLE, "brake", *FORCE, "friction", "friction_table", *AIR, *ELECTRIC, "dynamic_table"),
+    *(*TRACTION, "traction_table", *HEAT, "fade_table", *TRACK, *PARKING),
+    *(name for name in WORDS if name not in ("kind", "brake", "friction")),
+    *COUPLING,
+)
+
+
+def choices(name: str) -> tuple[str, ...]:
+    """Return the words that a column may have."""
+    return pneumatic() if name == "distributor" else tuple(WORDS[name])
+
+
+def remedies(name: str) -> dict[str, str]:
+    """Return words that a column may not have, each with its remedy."""
+    return NOT_MODELLED if name in ("brake", "distributor") else {}
+
+
+def columns() -> list[Column]:
+    """Return the columns of a CSV file: empty cells leave a value to its default."""
+    found = []
+    for name in WORDS:
+        is_kind, others = name == "kind", tuple(remedies(name).items())
+        found.append(Column(name, words=choices(name), required=is_kind, filled=is_kind, remedies=others))
+    found += [Column(name, filled=False, text=True, longest=longest) for name, longest in TEXTS.items()]
+    return found + [
+        Column(one.name, one.unit, one.least, one.most, filled=False, whole=one.whole) for one in NUMBERS.values()
+    ]
+
+
+def values_of(row: Mapping[str, Any], couplers: Iterable[str] = ()) -> dict[str, Any]:
+    """Return the values of a row, each in the unit of its column and within its limits. Raises ValueError.
+
+    couplers: names of the [[coupler]] tables of its file.
+    """
+    if not isinstance(row, Mapping):
+        raise ValueError(f"a vehicle must be names with values; got {shown(row)}. Write kind = 'wagon'.")
+    found: dict[str, Any] = {}
+    for name, value in row.items():
+        if name in WORDS:
+            words = (*choices(name), *(couplers if name == "coupler" else ()))
+            if value not in words:
+                remedy = next((text for word, text in remedies(name).items() if word == value), "Choose one.")
+                raise ValueError(f"{name} must be one of {', '.join(words)}; got {shown(value)}. {remedy}")
+            found[name] = value
+        elif name in TEXTS:
+            if not isinstance(value, str) or len(value) > TEXTS[name] or not value.isprintable():
+                limit = f"printable text of at most {TEXTS[name]} characters"
+                raise ValueError(f"{name} must be {limit}; got {shown(value)}. Correct it.")
+            found[name] = value.strip()
+        elif name in NUMBERS:
+            found[name] = NUMBERS[name].read(value)
+        else:
+            raise ValueError(f"the name {quoted(str(name))} is unknown; {suggestion(str(name), NAMES)}")
+    if "kind" not in found:
+        raise ValueError(f"a vehicle must have a kind, one of {', '.join(KINDS)}. Add it.")
+    return found
+
+
+def si(values: Mapping[str, Any], name: str, default: float = 0.0) -> float:
+    """Return the value of a column in SI units, or the default [SI] if the row does not have it."""
+    return NUMBERS[name].scale * float(values[name]) if name in values else default

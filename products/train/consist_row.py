@@ -1,0 +1,154 @@
+"""A row of a consist: read, checked, solved and packed into a vehicle; and the row that states a vehicle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from brake_controller.air import DISCHARGE
+from brake_controller.distributors import distributors
+from brake_controller.drivers_valve import drivers_valve
+from products.train.brake_columns import brake_of, distributor_of, row_of_brake, row_of_distributor
+from products.train.consist import EMPTY, KINDS, TrainVehicle, braked_with
+from products.train.consist_columns import COUPLING, FORCE, si, values_of
+from products.train.consist_rules import check_rules
+from products.train.drive_columns import electric_of, row_of_electric, row_of_traction, traction_of
+from products.train.heat_columns import heat_of, row_of_heat
+from products.train.track_columns import parking_of, row_of_track, track_of
+from rbd_model.train.coupler import COUPLERS, Coupler, with_numbers
+
+Row = dict[str, Any]
+#: Columns with which the brake is not that of the kind: those that state it, or resize it.
+OF_BRAKE = {
+    *(*FORCE, "friction", "friction_table", "brake", "full_pressure", "fill_time", "release_time", "auxiliary"),
+    *("cylinder", "rotating", "resistance_a", "resistance_b", "resistance_c", "blending"),
+}
+
+
+def vehicle_of(row: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> tuple[TrainVehicle, dict[str, Any]]:
+    """Return the vehicle of a row and its values; couplers: those of the tables of its file. Raises ValueError."""
+    values = values_of(row, couplers)
+    check_rules(values, values.get("coupler") in couplers)
+    one = replace(_body_of(values), coupler=_coupler_of(values, couplers))
+    one = replace(one, track=track_of(values, one.mass), parking=parking_of(values, one.mass))
+    one = replace(one, distributor=distributor_of(values, one.distributor))
+    if values.get("brake") == "none":
+        one = replace(one, brake=braked_with(0.0))
+    elif OF_BRAKE & set(values):
+        one = replace(one, brake=brake_of(values, one))
+    one = replace(one, electric=electric_of(values, one.distributor), heat=heat_of(values, one.brake))
+    one = replace(one, traction=traction_of(values), adhesion=values.get("adhesion", "input"))
+    return _with_valve(values, one), values
+
+
+def row_of(one: TrainVehicle) -> Row:
+    """Return the row that states a vehicle, as near as columns can."""
+    a, b, c = one.resistance
+    row: Row = {"kind": one.kind} | ({"name": one.name} if one.name else {})
+    row |= {"mass": 1e-3 * one.mass, "length": one.length, "rotating": 1e2 * one.rotating_share}
+    row |= {"resistance_a": a, "resistance_b": b, "resistance_c": c}
+    row |= row_of_brake(one) | row_of_distributor(one)
+    row |= row_of_electric(one.electric) | row_of_traction(one.traction)
+    row |= row_of_heat(one.heat) | row_of_track(one.track, one.parking)
+    row |= {} if one.adhesion == "input" else {"adhesion": one.adhesion}
+    if one.friction_ratio != 1.0:
+        row |= {"friction_ratio": one.friction_ratio, "friction_decay": one.friction_decay}
+    row |= {"pipe_diameter": 1e3 * one.pipe_diameter, "at": one.distributor_at}
+    if one.leak:
+        row["leak"] = 1e3 * (4 / math.pi * one.leak / DISCHARGE) ** 0.5
+    if one.branch:
+        row["branch"] = 1e3 * one.branch
+    return row | _row_of_coupler(one.coupler) | _row_of_valve(one)
+
+
+def _body_of(values: Mapping[str, Any]) -> TrainVehicle:
+    """Return a vehicle with its masses, resistance, distributor and pipe."""
+    kind, position = values["kind"], values.get("position", "P")
+    load = values.get("load", 60.0 if kind == "wagon" else 0.0)
+    if "mass" in values:
+        load = values["mass"] - 1e-3 * EMPTY[kind]
+    more = {"weighing": values["weighing"]} if "weighing" in values else {}
+    more |= {"weighing": "none"} if "empty_load" in values and kind == "wagon" else {}
+    one = KINDS[kind](1e3 * load, position, **more)
+    if "distributor" in values:
+        one = replace(one, distributor=distributors()[values["distributor"]].ready(position))
+    names = ("resistance_a", "resistance_b", "resistance_c")
+    a, b, c = (values.get(name, 0.0) for name in names)  # Davis 1926
+    return replace(
+        one,
+        name=values.get("name", ""),
+        length=values.get("length", one.length),
+        resistance=(a, b, c) if set(names) & set(values) else one.formula.of(one.mass),
+        friction_ratio=values.get("friction_ratio", one.friction_ratio),
+        friction_decay=values.get("friction_decay", one.friction_decay),
+        rotating_share=si(values, "rotating", one.rotating_share),
+        distributor_at=values.get("at", 0.5),
+        pipe_diameter=si(values, "pipe_diameter", one.pipe_diameter),
+        branch=si(values, "branch"),
+        leak=DISCHARGE * math.pi / 4 * si(values, "leak") ** 2,
+    )
+
+
+def _coupler_of(values: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> Coupler:
+    """Return the coupler behind a vehicle: of a table, or built-in with numbers of the row instead of its own."""
+    name = values.get("coupler", "screw")
+    if name in couplers:
+        return couplers[name]
+    one = COUPLERS[name]()
+    numbers = {column.removeprefix("coupler_"): si(values, column) for column in COUPLING if column in values}
+    if not numbers:
+        return one
+    found = with_numbers(one, **numbers)
+    if values.get("coupler_damping", 0.0) > 0.0 and not found.dissipates:
+        most = 1e-6 * one.sticking_stiffness
+        raise ValueError(
+            f"coupler_damping must come with a coupler_stiffness below {most:g} MN/m, at which the friction of a "
+            f"{one.name} coupler sticks. Decrease coupler_stiffness, or leave coupler_damping out."
+        )
+    return found
+
+
+def _row_of_coupler(one: Coupler) -> Row:
+    """Return the columns of a coupler: a built-in one, one with a stiffness of its own, or the name of a table."""
+    strength = {} if math.isinf(one.strength) else {"coupler_strength": 1e-3 * one.strength}
+    if one.name not in COUPLERS:
+        return {"coupler": one.name}
+    if replace(one, strength=math.inf) == COUPLERS[one.name]():
+        return {"coupler": one.name} | strength
+    loading, unloading = one.compression
+    ways, forces = loading.ways, loading.forces
+    slack = max(way for way, force in zip(ways, forces, strict=True) if force == 0.0) if forces[0] == 0.0 else 0.0
+    stiffness = (forces[-1] - forces[-2]) / (ways[-1] - ways[-2])
+    row: Row = {"coupler": one.name, "coupler_stiffness": 1e-6 * stiffness, "coupler_preload": 1e-3 * forces[-2]}
+    row["coupler_slack"] = 1e3 * slack
+    damping = round(1.0 - unloading.forces[-1] / forces[-1], 12)
+    return row | ({"coupler_damping": damping} if one.dissipates or not damping else {}) | strength
+
+
+def _with_valve(values: Mapping[str, Any], one: TrainVehicle) -> TrainVehicle:
+    """Return a vehicle with its driver's valve, with the rate and the exhaust of a row."""
+    name = values.get("valve")
+    if name == "none":
+        return replace(one, valve=None)
+    if name is not None:
+        delay = values.get("delay", 0.0) if name == "second" else -1.0
+        one = replace(one, valve=drivers_valve(), valve_delay=delay, leads=name == "head")
+    if one.valve is None:
+        return one
+    rate = si(values, "service_rate", one.valve.service_rate)
+    exhaust = math.pi / 4 * si(values, "exhaust") ** 2 if "exhaust" in values else one.valve.exhaust_area
+    return replace(one, valve=replace(one.valve, service_rate=rate, exhaust_area=exhaust))
+
+
+def _row_of_valve(one: TrainVehicle) -> Row:
+    if one.valve is None:
+        return {"valve": "none"} if one.kind == "locomotive" else {}
+    row: Row = {"valve": "head"} if one.valve_delay < 0.0 else {"valve": "second", "delay": one.valve_delay}
+    usual = drivers_valve()
+    if one.valve.service_rate != usual.service_rate:
+        row["service_rate"] = 1e-5 * one.valve.service_rate
+    if one.valve.exhaust_area != usual.exhaust_area:
+        row["exhaust"] = 1e3 * (4 / math.pi * one.valve.exhaust_area) ** 0.5
+    return row

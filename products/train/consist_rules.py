@@ -1,0 +1,261 @@
+"""Columns of a consist that need or exclude each other: a rule a line, and one function that applies all to a row."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from brake_controller.distributors import DISTRIBUTORS, distributors
+from brake_controller.distributors.aar import OF_AAR
+from brake_controller.distributors.registered import ADJUSTED
+from brake_controller.distributors.uic import UIC
+from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
+from products.train.cell_tables import points_in
+from products.train.consist import EMPTY, EMPTY_UP_TO, PERCENTAGE
+from products.train.consist_columns import COUPLING, FORCE, HEAT, TRACK, TRACTION
+
+Row = Mapping[str, Any]
+Rule = Callable[[Row], None]
+#: Columns that state a brake's force, one of them in a row; and those without cylinder data.
+STATEMENTS = ("lambda", "deceleration", "brake_force", "shoe_force", "cylinder_diameter")
+#: Statements of the force at the rims, in which friction is included; the last are those of kinds without a statement.
+AT_RIMS = ("lambda", "deceleration", "brake_force", *(f"the lambda of a {kind}" for kind in PERCENTAGE))
+_BY_PIPE = ("distributor", "position", "auxiliary", "cylinder", *OF_AAR)
+_OF_BRAKE = ("full_pressure", "fill_time", "release_time", *FORCE, *HEAT, "fade_table", "friction", "weighing")
+#: Messages: of columns that need others, and of columns that exclude others.
+WITH, WITHOUT = "{name} must come with {others}", "{name} must be left out with {other}"
+NEEDED, ADD, ONE_OF = (
+    f"{WITH}. Add it, or leave {{name}} out.",
+    f"{WITH}. Add it.",
+    f"{WITH}. Add one of them, or leave",
+)
+IDLE = "{name} has no effect with {other}. Leave it out."
+
+
+def facts_of(values: Row, own_coupler: bool) -> dict[str, Any]:
+    """Return the values of a row, and facts that follow from them; own_coupler: it has one of a table."""
+    kind, found = values["kind"], {"brake": "pneumatic"} | dict(values)
+    facts = {
+        f"the lambda of a {kind}": kind in PERCENTAGE and not set(STATEMENTS) & set(values),
+        "friction of a wagon": kind == "wagon" and "friction" not in values and not set(AT_RIMS) & set(values),
+        "a [[coupler]]": own_coupler,
+        "by wire": DISTRIBUTORS.get(values.get("distributor", UIC.name), UIC).wired,
+        "both times": {"fill_time", "release_time"} <= set(values),
+        "a constant value": values.get("friction") == "constant" and "friction_value" in values,
+        "several": values.get("count", 1) > 1,
+        "a valve": values.get("valve", "head" if kind == "locomotive" else "none") != "none",
+        "no rotating mass": values.get("rotating") == 0.0,
+    }
+    return found | {fact: True for fact, holds in facts.items() if holds}
+
+
+def _holding(statements: Iterable[str], row: Row) -> list[str]:
+    """Return the statements that a row makes: a column or fact, or a column with a word, as "friction = speed"."""
+    parts = ((one, *one.partition(" = ")) for one in statements)
+    return [one for one, name, equals, word in parts if (row.get(name) == word if equals else name in row)]
+
+
+def needs(names: Iterable[str], others: Iterable[str], text: str = NEEDED) -> Rule:
+    """Return the rule that each of the statements needs one of others. Its text may name values of the row."""
+
+    def check(row: Row) -> None:
+        for name in _holding(names, row):
+            if not _holding(others, row):
+                raise ValueError(text.format(name=name, others=" or ".join(others), row=row))
+
+    return check
+
+
+def excludes(names: Iterable[str], others: Iterable[str], text: str) -> Rule:
+    """Return the rule that each of the statements excludes each of others. Its text may name values of the row."""
+
+    def check(row: Row) -> None:
+        for name in _holding(names, row):
+            for other in _holding(others, row):
+                raise ValueError(text.format(name=name, other=other, row=row))
+
+    return check
+
+
+def _check_resistance(row: Row) -> None:
+    names = ("resistance_a", "resistance_b", "resistance_c")
+    stated = _holding(names, row)
+    if stated not in ([], ["resistance_a"], list(names)):
+        got = ", ".join(stated)
+        raise ValueError(f"resistance_a must come alone, or all of {', '.join(names)}; got {got}. Add 0s.")
+
+
+def _check_distributor(row: Row) -> None:
+    """Check that a row has only columns with an effect on its distributor. Raises ValueError."""
+    kinds = distributors()
+    kind = kinds[row.get("distributor", UIC.name)]
+    for name in (one for one in ADJUSTED if one in row and row["brake"] == "pneumatic"):
+        if name not in kind.adjustable:
+            *first, last = [one.name for one in kinds.values() if name in one.adjustable]
+            takers = f"{', '.join(first)} or {last}" if first else last
+            raise ValueError(f"{name} must be of the distributor {takers}; got {kind.name}. Leave {name} out.")
+    idle = {"dead_time": not (kind.wired or kind.assisted), "position": kind.ready("P") == kind.ready("G")}
+    for name in (one for one in idle if one in row and idle[one] and row["brake"] == "pneumatic"):
+        raise ValueError(f"{name} has no effect with distributor = {kind.name}. Leave it out.")
+
+
+def _check_statements(row: Row) -> None:
+    if len(stated := _holding(STATEMENTS, row)) > 1:
+        raise ValueError(f"a brake must be stated once; got {' and '.join(stated)}. Leave all but one out.")
+
+
+def _check_empty(row: Row) -> None:
+    """Check that a car with an empty/load device is empty. Raises ValueError."""
+    mass = row.get("mass", 1e-3 * EMPTY[row["kind"]] + row.get("load", math.nan))
+    if "empty_load" in row and not mass <= 1e-3 * EMPTY_UP_TO:
+        got = "none" if math.isnan(mass) else f"{mass:g} t"
+        raise ValueError(
+            f"empty_load must come with the load or mass of an empty car, at most {1e-3 * EMPTY_UP_TO:g} t in all; got "
+            f"{got}. Set load to 0, or leave empty_load out: a loaded car has its whole force."
+        )
+
+
+def _check_table(name: str) -> Rule:
+    """Return the rule that a table can be read; that of friction must be there with friction = table."""
+
+    def check(row: Row) -> None:
+        if name in row or (name, row.get("friction")) == ("friction_table", "table"):
+            points_in(name, row.get(name, ""))
+
+    return check
+
+
+_DYNAMIC, _TRACTION = ("dynamic_force", "dynamic_table"), ("traction_force", "traction_table")
+_MASSES, _PARKING, _WIRED = (
+    ("wheel_mass", "disc_mass"),
+    ("parking_force", "parking_gradient"),
+    ("brake = ep-direct", "by wire"),
+)
+_RIGGING = ("cylinders", "rigging_ratio", "rigging_efficiency", "return_force")
+_VALUED = ("friction = constant", "friction = speed")
+_LAWS, _AT_SPEED = tuple(f"friction = {one}" for one in FRICTIONS), ("friction = speed",)
+_OTHER_LAWS = tuple(f"friction = {one}" for one in (*FRICTIONS, *FORCELESS) if one != "constant")
+_TWICE = f"{WITHOUT}, which has the forces. Leave one of them out."
+_TOGETHER = "friction_ratio and friction_decay must come together: one alone has no effect. Give both."
+_CLOSES = "blending_speed must come with blending = closes, and that with it. Add both, or neither."
+_SHOES = f"a friction that depends on the force of a shoe, one of {', '.join(FRICTIONS)}. Add friction, or leave"
+#: Rules in their order; the message is that of the first rule that a row breaks.
+RULES: tuple[Rule, ...] = (
+    excludes(["load"], ["mass"], "a vehicle must have load or mass, not both. The mass is that with the load."),
+    needs(["friction_ratio"], ["friction_decay"], _TOGETHER),
+    needs(["friction_decay"], ["friction_ratio"], _TOGETHER),
+    needs(["weighing"], ["kind = wagon"], "{name} must be of a wagon; the vehicle is a {row[kind]}. Leave it out."),
+    _check_resistance,
+    *(
+        excludes([one], ["a [[coupler]]"], f"{WITHOUT}, which has its own {one[len('coupler_') :]}. Leave it out.")
+        for one in COUPLING
+    ),
+    needs(["coupler_preload"], ["coupler_stiffness"]),
+    excludes(_BY_PIPE, ["brake = ep-direct"], IDLE),
+    excludes(["dead_time", *_BY_PIPE, *_OF_BRAKE], ["brake = none"], IDLE),
+    _check_distributor,
+    excludes(
+        ["position"], ["both times"], "{name} has no effect with fill_time and release_time. Leave one of them out."
+    ),
+    _check_statements,
+    needs(_RIGGING, ["cylinder_diameter"], f"{WITH}. Add {{others}}, or leave {{name}} out."),
+    needs(["cylinder_diameter"], ["rigging_ratio"], ADD),
+    excludes(["weighing"], STATEMENTS, f"{WITHOUT}, which is that of the load. Leave it out."),
+    excludes(
+        _OTHER_LAWS,
+        ["deceleration"],
+        "friction must be constant with {other}; got {row[friction]}. State brake_force instead.",
+    ),
+    needs(
+        ["friction_value"], _VALUED, "{name} must come with friction = constant or speed. Add it, or leave {name} out."
+    ),
+    needs(["friction_fast", "friction_speed"], _AT_SPEED),
+    needs(_AT_SPEED, ["friction_fast"], ADD),
+    needs(_AT_SPEED, ["friction_speed"], ADD),
+    needs(["friction_table"], ["friction = table"]),
+    _check_table("friction_table"),
+    excludes(
+        ["a constant value"],
+        AT_RIMS,
+        "friction_value must be left out with {other}, a force at the rims. Leave it out.",
+    ),
+    needs(["friction_radius"], ["friction = pads"]),
+    needs(["shoes"], [*_LAWS, "friction of a wagon"], f"{{name}} must come with {_SHOES} {{name}} out."),
+    needs(
+        ["shoe_force", "cylinder_diameter"],
+        ["friction", "kind = wagon"],
+        "friction must come with {name} of a {row[kind]}. Add friction.",
+    ),
+    needs(_AT_SPEED, ["friction_value"], ADD),
+    needs(["friction = constant"], ["friction_value", *AT_RIMS], "{name} must come with friction_value. Add it."),
+    excludes(["weighing"], ["empty_load"], f"{WITHOUT}, which is in its place. Leave one of them out."),
+    excludes(
+        ["empty_load"],
+        [*AT_RIMS[:3], "shoe_force", *AT_RIMS[3:]],
+        f"{WITHOUT}, the force of this load. Leave it out, or state the brake by cylinder_diameter.",
+    ),
+    _check_empty,
+    excludes(["dynamic_force"], ["dynamic_table"], _TWICE),
+    needs(["dynamic_power", "dynamic_fade", "dynamic_rise"], _DYNAMIC, f"{ONE_OF} {{name}} out."),
+    _check_table("dynamic_table"),
+    excludes(["traction_force"], ["traction_table"], _TWICE),
+    needs(["traction_power", "traction_rise", "traction_cut_out"], _TRACTION, f"{ONE_OF} {{name}} out."),
+    _check_table("traction_table"),
+    needs(["blending"], _DYNAMIC, f"{ONE_OF} it out."),
+    needs(
+        ["blending"],
+        _WIRED,
+        "{name} must be of brake = ep-direct, or of a distributor by wire; other brakes add. Leave it out.",
+    ),
+    needs(["blending_speed"], ["blending = closes"], _CLOSES),
+    needs(["blending = closes"], ["blending_speed"], _CLOSES),
+    needs(
+        ["traction_force"],
+        ["traction_power"],
+        f"{WITH}, or slipping wheels would spin up without a limit. Add it.",
+    ),
+    excludes(
+        ["no rotating mass"],
+        [*TRACTION, "traction_table"],
+        "rotating must be above 0 % on a vehicle with motors; got 0. Raise it, or leave it out.",
+    ),
+    excludes(["wheel_mass"], ["disc_mass"], f"{WITHOUT}: one body takes the heat. Leave one out."),
+    needs(["wheels"], ["wheel_mass"]),
+    needs(["discs"], ["disc_mass"]),
+    needs([*HEAT, "fade_table"], _MASSES),
+    needs(["rubbed_area"], ["thickness"]),
+    needs([name for name in HEAT if name.startswith("block_")], ["block_mass"]),
+    needs([name for name in TRACK if name.startswith("magnetic")], ["magnetic_attraction"]),
+    needs([name for name in TRACK if name.startswith("eddy")], ["eddy_force"]),
+    needs(["track_brake_pressure"], ["magnetic_attraction", "eddy_force"]),
+    needs(["parking_time", "parking_compounding"], _PARKING),
+    excludes(
+        ["parking_force"],
+        ["parking_gradient"],
+        "a parking brake must be stated once; got {name} and {other}. Leave one out.",
+    ),
+    excludes(["release_time"], ["retainer = slow-direct"], "{name} has no effect with {other}. Leave one of them out."),
+    needs(
+        ["delay"],
+        ["valve = second"],
+        "{name} must be of a valve that follows by radio. Set valve to second, or leave it out.",
+    ),
+    excludes(
+        ["several"],
+        ["valve = head", "valve = second"],
+        "count must be 1 with a {row[valve]} valve; got {row[count]:.0f}. Give that vehicle a row of its own.",
+    ),
+    needs(
+        ["service_rate", "exhaust"],
+        ["a valve"],
+        "{name} must be of a vehicle with a driver's valve. Set valve to head, or leave it out.",
+    ),
+)
+
+
+def check_rules(values: Row, own_coupler: bool = False) -> None:
+    """Check that a row has what its values need, and nothing without an effect. Raises ValueError."""
+    facts = facts_of(values, own_coupler)
+    for rule in RULES:
+        rule(facts)

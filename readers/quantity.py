@@ -1,0 +1,103 @@
+"""A number of a user, with or without its unit, and the quantity that it states: name, unit, limits, text."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from readers.columns import number_of
+from readers.documents import is_number
+from readers.text import shown
+from readers.units import factor
+from readers.usual import almost_0, is_almost_0, likely_unit
+
+#: A number and its unit.
+NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
+#: SI units in a unit of columns and entries, by which a value is multiplied.
+SCALE = {
+    **dict.fromkeys(("t", "kN", "kW"), 1e3),
+    **dict.fromkeys(("bar", "bar/s"), 1e5),
+    **dict.fromkeys(("mm", "l"), 1e-3),
+    **{"MN/m": 1e6, "%": 1e-2, "km/h": 1 / 3.6},
+}
+
+
+def number_in(text: str, unit: str) -> float | None:
+    """Return a number, with or without its unit, in `unit`; None if it is not a number in a unit that converts."""
+    found = NUMBER.fullmatch(text.strip())
+    if not found:
+        return None
+    times = (1.0, 1.0) if found[2] is None else None if unit == "1" else factor(found[2], unit)
+    return None if times is None else float(found[1]) * times[0] / times[1]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number that a user states.
+
+    Attributes
+    ----------
+    name : str
+        Its name in files.
+    unit : str
+        Unit of a value that is written without one; "1" for a pure number.
+    least, most : float
+        Limits in that unit, both included.
+    text : str
+        Its meaning.
+    whole : bool
+        Whether it is an integer.
+    above_0 : float
+        Smallest value above 0; a smaller one is in another unit.
+    """
+
+    name: str
+    unit: str = "1"
+    least: float = -math.inf
+    most: float = math.inf
+    text: str = ""
+    whole: bool = False
+    above_0: float = 0.0
+
+    @property
+    def scale(self) -> float:
+        """SI units in its unit; 1 for an SI unit."""
+        return SCALE.get(self.unit, 1.0)
+
+    @property
+    def of_unit(self) -> str:
+        """Its unit behind a number: a blank and the unit, or nothing for a pure number."""
+        return "" if self.unit == "1" else f" {self.unit}"
+
+    @property
+    def limits(self) -> str:
+        """Its limits as text, such as "0 to 200 t"."""
+        return f"{self.least:g} to {self.most:g}{self.of_unit}"
+
+    def number(self, value: Any) -> float:
+        """Return a number, or a text with a number and a unit such as "60 t", in its unit; NaN if it is neither."""
+        number = number_of(value)
+        found = number_in(value, self.unit) if math.isnan(number) and isinstance(value, str) else number
+        return math.nan if found is None else found
+
+    def read(self, value: Any, remedy: str = " Correct it.") -> float:
+        """Return a number of a file within its limits. Raises ValueError; remedy: unless another unit is likely."""
+        number, is_bare = self.number(value), is_number(value)
+        if not self.least <= number <= self.most or (self.whole and number != int(number)):
+            kind = "an integer" if self.whole else "a number"
+            likely = likely_unit(number, self.unit, self.least, self.most) if is_bare else ""
+            raise ValueError(f"{self.name} must be {kind} from {self.limits}; got {shown(value)}.{likely or remedy}")
+        if 0.0 < number < self.above_0:
+            likely = likely_unit(number, self.unit, self.above_0, self.most) if is_bare else ""
+            limits = f"0 or from {self.above_0:g} to {self.most:g}{self.of_unit}"
+            raise ValueError(f"{self.name} must be {limits}; got {shown(value)}.{likely}")
+        if is_almost_0(number, self.unit):
+            raise ValueError(almost_0(self.name, number, self.unit, self.most))
+        return number
+
+
+def by_name(*quantities: Quantity) -> dict[str, Quantity]:
+    """Return quantities by their names."""
+    return {one.name: one for one in quantities}
