@@ -64,13 +64,13 @@ $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
 	$(PIP) -e ".[test,masters,charts,sweep,docs]"
 	touch $@ $(VENV)/demo-installed $(VENV)/compiler-installed
 
-# Draws the pictures of docs/choosing.md and docs/controller.md anew, some 20 minutes, and puts what they measured into them.
+# Draws the pictures of docs/choosing.md and docs/controller.md again, some 20 minutes; `make pages` then updates numbers.
 CHARTS := speed-accuracy throughput stability-atlas coupling-step levels levels-in-curves contact-model thesis-step \
 	train-brake-evidence
 charts: $(VENV)/charts-installed
 	for name in $(CHARTS); do $(RUN) -m bogie_braking run $$name || [ $$? = 1 ] || exit 1; done  # 1: a row does not hold
-	$(RUN) docs/generate/charts.py --collect
-	$(RUN) docs/generate/slide_bound.py --measure
+	$(RUN) docs/generate/numbers_of_pages.py --collect
+	$(RUN) -m evidence.measuring.slide_bound --measure
 
 $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
 	$(PIP) -e ".[charts,pages$(COMPILER)]"
@@ -80,9 +80,10 @@ $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
 screenshots: $(VENV)/test-installed
 	BOGIE_BRAKING_PICTURES=docs/pictures $(RUN) -m pytest -p no:xdist tests/scenarios/test_live.py tests/scenarios/test_train_page.py
 
-# Writes what is generated of the README, EQUATIONS.md and the pages in docs/ anew, from the code and docs/data/.
+# Updates the measured numbers on the pages, and writes pages with generated tables into build/pages/.
 pages: $(VENV)/demo-installed
-	for page in charts counts numbers_of_pages equations variables catalogue benchmark importers; do $(RUN) docs/generate/$$page.py || exit 1; done
+	$(RUN) docs/generate/numbers_of_pages.py
+	$(RUN) docs/generate/pages.py
 
 # Wheels with compiled FMUs inside, sdist, archive of FMUs, live page, checksums, into dist/: 15 min the first time.
 release: $(VENV)/test-installed

@@ -9,14 +9,16 @@ import ast
 import functools
 import importlib
 import importlib.util
-import os
+import json
 import re
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
+from evidence.measuring import slide_bound
 from products.sources import HOUSE
 from scenarios.catalogue import SCENARIOS
 
@@ -24,7 +26,7 @@ ROOT = Path(__file__).parents[1]
 WRITTEN = sorted(
     path.relative_to(ROOT).as_posix() for folder in ("*", "hosts/*") for path in ROOT.glob(f"docs/{folder}.md")
 )
-PAGES = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "EQUATIONS.md", *WRITTEN]
+PAGES = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", *WRITTEN]
 #: Files that a build or a run writes, files in an archive, and examples of names.
 MADE = (
     "TRAINS/",
@@ -35,10 +37,6 @@ MADE = (
     "rbd_model/roller_rig.py",
     "rbd_model/contact/creep/carter.py",
     "brake_controller/distributors/direct.py",
-)
-GENERATORS = (
-    *("charts", "counts", "numbers_of_pages", "equations", "variables", "catalogue", "benchmark", "slide_bound"),
-    "importers",
 )
 #: A file with its folder, optionally followed by a name in it.
 PLACE = re.compile(r'(?<![\w/.*"-])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')
@@ -150,40 +148,44 @@ def test_code_and_tests_cite_pages_that_are_here() -> None:
             assert set(cited) <= pages, f"{path.relative_to(ROOT)} cites {sorted(set(cited) - pages)}"
 
 
-@pytest.mark.parametrize("generator", GENERATORS)
-def test_generated_page_is_what_it_is_made_from(generator: str) -> None:
-    """If this fails, run `make pages` and read its output; after a change of methods or cases run `make charts`."""
-    script = ROOT / "docs" / "generate" / f"{generator}.py"
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    done = subprocess.run([sys.executable, script, "--check"], env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+@pytest.fixture(scope="module")
+def numbers() -> ModuleType:
+    """Import docs/generate/numbers_of_pages.py."""
+    sys.path.append(str(ROOT / "docs" / "generate"))
+    return importlib.import_module("numbers_of_pages")
 
 
-def test_numbers_of_checks_are_those_of_the_tests_wherever_they_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The counts of random states and calls use fixed phrases; the generator replaces a wrong number."""
-    monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
-    counts = importlib.import_module("counts")
-    for words, value in counts.PHRASES.items():
-        behind = r"\s+".join(map(re.escape, words.split()))
-        assert any(re.search(rf"\d\s+{behind}", path.read_text("utf-8")) for path in counts.PAGES), words
-        assert counts.filled(f"7 {words}").replace(" ", "") == f"{value}{words}".replace(" ", "")
-    for path in counts.PAGES:
-        said = re.findall(r"\d\s+(random\s+(?:states|FMI\s+calls|calls)[^,;(]*)", path.read_text("utf-8"))
-        strange = [one for one in said if not " ".join(one.split()).startswith(tuple(counts.PHRASES))]
-        assert strange == [], path
+def test_numbers_on_the_pages_are_those_measured(numbers: ModuleType) -> None:
+    """If this fails, run `make pages`; after a change of methods or cases run `make charts` before."""
+    assert numbers.main(["--check"]) == 0
 
 
-def test_a_number_with_a_mark_is_that_of_its_source(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_generated_part_of_a_page_has_its_generator(numbers: ModuleType) -> None:
+    found = [
+        name for page in WRITTEN for name in re.findall(r"<!-- generated: (.*) -->", (ROOT / page).read_text("utf-8"))
+    ]
+    assert sorted(found) == ["benchmark", "catalogue", "equations", "variables"]
+    for name in found:
+        assert len(importlib.import_module(name).generated()) > 1000
+
+
+def test_every_equation_of_the_thesis_has_a_home_and_a_test_or_a_reason(numbers: ModuleType) -> None:
+    assert importlib.import_module("equations").complaints() == []
+
+
+def test_the_table_of_the_slide_bound_is_that_of_its_data() -> None:
+    table = slide_bound.table(json.loads(slide_bound.DATA.read_text(encoding="utf-8")))
+    assert table in (ROOT / "docs" / "controller.md").read_text(encoding="utf-8")
+
+
+def test_a_number_with_a_mark_is_that_of_its_source(numbers: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     """The source is a stored row or a constant. The generator corrects numbers; a run reports a row that it changes."""
-    monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
-    numbers = importlib.import_module("numbers_of_pages")
     rows = {("a-scenario", "a row"): -14.37}
     page = (
         "It is 10<!--= a-scenario | a row | .0f --> %, of 7<!--= tests/fmu/test_state_machine.py | SHORT | --> seeds."
     )
-    seeds = importlib.import_module("counts").constant("tests/fmu/test_state_machine.py", "SHORT")
     found = numbers.filled(page, rows)
-    assert re.sub(r"<!--.*?-->", "", found) == "It is 14 %, of " + f"{seeds:,}".replace(",", " ") + " seeds."
+    assert re.sub(r"<!--.*?-->", "", found) == "It is 14 %, of 20 000 seeds."
     assert numbers.filled(found, rows) == found
     signed = page.replace("10<", "+10<").replace(".0f", "+.0f")
     assert re.sub(r"<!--.*?-->", "", numbers.filled(signed, rows)).startswith("It is -14 %")
@@ -196,15 +198,11 @@ def test_a_number_with_a_mark_is_that_of_its_source(monkeypatch: pytest.MonkeyPa
         assert len(numbers.moved("a-scenario", [{"quantity": "a row", "simulated": value}])) == count
 
 
-def test_every_mark_on_a_page_names_a_source(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_mark_on_a_page_can_be_read(numbers: ModuleType) -> None:
     """A mark with another spelling would be ignored without a message."""
-    monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
-    numbers = importlib.import_module("numbers_of_pages")
-    known = numbers.values()
     for page in numbers.PAGES:
         text = page.read_text(encoding="utf-8")
         assert len(numbers.MARKED.findall(text)) == text.count("<!--="), page
-    assert all(one.of_a_test or (one.source, one.name) in known for one in numbers.marks())
 
 
 def test_options_of_the_commands_on_the_pages_are_known() -> None:

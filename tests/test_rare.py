@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -21,8 +18,8 @@ import bogie_braking as bb
 from bogie_braking.rare_events import Rare
 from bogie_braking.splitting import Numbers, Population, climb, confidence_of
 from bogie_braking.splitting_doubts import doubts_about
+from evidence.measuring import rare_stops
 
-ROOT = Path(__file__).parents[1]
 #: Acceptance limits for the coverage of 200 intervals of 95 %: 190 and 2.5 standard deviations of the binomial
 #: distribution.
 FEWEST, MOST = 180, 198
@@ -119,31 +116,24 @@ def test_a_point_model_that_rolls_has_the_probability_of_its_torque() -> None:
 # ---- plain runs ----------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def stops(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    """Import the script that wrote docs/data/rare-stops.json."""
-    monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
-    return importlib.import_module("rare_stops")
-
-
-def test_splitting_holds_ten_million_plain_runs(stops: ModuleType) -> None:
+def test_splitting_holds_ten_million_plain_runs() -> None:
     """Compare at 1e-5, and check the stored coverage of 200 seeds of the point model at 1e-4."""
-    data = json.loads(stops.DATA.read_text(encoding="utf-8"))
-    count = data["counts"][str(stops.LIMIT_5)] / data["runs"]
-    found = stops.splitting(stops.LIMIT_5, 0, particles=50)
+    data = json.loads(rare_stops.DATA.read_text(encoding="utf-8"))
+    count = data["counts"][str(rare_stops.LIMIT_5)] / data["runs"]
+    found = rare_stops.splitting(rare_stops.LIMIT_5, 0, particles=50)
     assert found.interval[0] < count < found.interval[1]
     assert len(found.messages) == 1
-    often = data["counts"][str(stops.LIMIT_4)] / data["runs"]
+    often = data["counts"][str(rare_stops.LIMIT_4)] / data["runs"]
     _, low, high, _ = np.array(data["intervals"]).T
     assert FEWEST <= np.sum((low <= often) & (often <= high)) <= MOST
 
 
 @pytest.mark.long
 @pytest.mark.timeout(7200)
-def test_plain_runs_and_intervals_come_out_again(stops: ModuleType) -> None:
-    data = json.loads(stops.DATA.read_text(encoding="utf-8"))
-    assert stops.plain_counts() == data["counts"]
-    assert np.allclose(stops.intervals(), data["intervals"], rtol=1e-9, atol=0.0)
+def test_plain_runs_and_intervals_come_out_again() -> None:
+    data = json.loads(rare_stops.DATA.read_text(encoding="utf-8"))
+    assert rare_stops.plain_counts() == data["counts"]
+    assert np.allclose(rare_stops.intervals(), data["intervals"], rtol=1e-9, atol=0.0)
 
 
 # ---- the same again ------------------------------------------------------------------------------------------------

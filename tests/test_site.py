@@ -104,7 +104,6 @@ def test_every_page_and_every_notebook_has_its_place() -> None:
     docs = {path.relative_to(ROOT / "docs").as_posix() for path in texts} - {"scenarios.md"}
     notebooks = {f"notebooks/{path.stem}.md" for path in ROOT.glob("docs/notebooks/*.ipynb")}
     assert set(found) == docs | notebooks | {
-        "EQUATIONS.md",
         "CHANGELOG.md",
         "inside/README.md",
         "live.html",
@@ -133,8 +132,8 @@ def test_links_to_the_root_hold_in_pages_of_hosts(monkeypatch: pytest.MonkeyPatc
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
     website = importlib.import_module("website")
     page = SimpleNamespace(file=SimpleNamespace(src_uri="hosts/rust.md"), meta={})
-    written = "[a](../../README.md#limits) [b](../../EQUATIONS.md) [c](../hosts.md)"
-    shown = "[a](../inside/README.md#limits) [b](../EQUATIONS.md) [c](../hosts.md)"
+    written = "[a](../../README.md#limits) [b](../../CHANGELOG.md) [c](../hosts.md)"
+    shown = "[a](../inside/README.md#limits) [b](../CHANGELOG.md) [c](../hosts.md)"
     assert website.on_page_markdown(written, page) == shown
     assert page.meta["search"] == {"boost": 1.0}
 

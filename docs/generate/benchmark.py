@@ -1,8 +1,8 @@
-"""Updates the tables of docs/benchmark.md from docs/data/benchmark.json and the cases. --check only compares.
+"""Tables of docs/benchmark.md from docs/data/benchmark.json and the cases.
 
   python -m bogie_braking benchmark --json > results/benchmark.json
   python -m bogie_braking benchmark NAMES --range --json > results/ranges.json       cases with unknown inputs
-  python docs/generate/benchmark.py --collect results/benchmark.json results/ranges.json    first these, into docs/data/
+  python docs/generate/benchmark.py --collect results/benchmark.json results/ranges.json    into docs/data/
 
 The scores are those of one run with all peers. tests/scenarios/test_benchmark.py compares some of them.
 """
@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from pages import DOCS, write_or_check
+from pages import DOCS
 
 from readers.documents import read_document
 from scenarios.benchmark.case import Case
@@ -20,10 +20,9 @@ from scenarios.benchmark.case_file import CASES, cases_in, read_case
 from scenarios.benchmark.score import Score
 from scenarios.benchmark.words import DASH, bound, published, size, time
 
-PAGE, KEPT = DOCS / "benchmark.md", DOCS / "data" / "benchmark.json"
+KEPT = DOCS / "data" / "benchmark.json"
 #: Entries of a score that are kept, and the digits of their numbers.
 ENTRIES, DIGITS = ("case", "answer", "program", "points", "answered", "worst", "rms", "holds", "cost"), 4
-BEGIN, END = "<!-- tables: docs/generate/benchmark.py -->\n", "<!-- end of the tables -->\n"
 
 
 def collect(source: Path, with_ranges: Path) -> None:
@@ -57,7 +56,7 @@ def cell(case: Case, one: dict[str, Any] | None) -> str:
     return size(score, one["worst"], "+") + spread + count + (" **!**" if one["holds"] is False else "")
 
 
-def tables() -> str:
+def generated() -> str:
     """Return the tables of errors, of processor time, and of sources."""
     read = read_document(KEPT)
     cases = {name: read_case(path) for name, path in cases_in([CASES]).items()}
@@ -116,14 +115,5 @@ def markdown(heads: list[str], rows: list[list[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def page() -> str:
-    """Return the page with its tables."""
-    text = PAGE.read_text(encoding="utf-8")
-    before, _, rest = text.partition(BEGIN)
-    return before + BEGIN + "\n" + tables() + "\n" + END + rest.partition(END)[2]
-
-
 if __name__ == "__main__":
-    if "--collect" in sys.argv:
-        collect(*map(Path, sys.argv[sys.argv.index("--collect") + 1 :]))
-    sys.exit(write_or_check({PAGE: page()}, sys.argv[1:]))
+    collect(*map(Path, sys.argv[sys.argv.index("--collect") + 1 :]))

@@ -1,7 +1,4 @@
-"""Writes EQUATIONS.md: the place of each equation of the thesis in the code, and the tests that cover it.
-
-  python docs/generate/equations.py            write EQUATIONS.md
-  python docs/generate/equations.py --check    exit with 1 if it differs from the code
+"""Table of docs/equations.md: the place of each equation of the thesis in the code, and the tests that cover it.
 
 An equation is cited by its number in parentheses, in a docstring or a comment; "(3.82)-(3.88)" cites all between. The
 page names the function or class around a citation and no line, so that it changes only if equations move.
@@ -10,15 +7,13 @@ page names the function or class around a citation and no line, so that it chang
 import ast
 import io
 import re
-import sys
 import tokenize
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
-from pages import ROOT, write_or_check
+from pages import ROOT
 
-PAGE = ROOT / "EQUATIONS.md"
 HOMES, TESTS = ("rbd_model", "brake_controller", "scenarios", "evidence"), "tests"
 #: Number of the last equation of each chapter of the thesis.
 LAST = {2: 16, 3: 124, 4: 2, 5: 4, 6: 7, 7: 3, 9: 1}
@@ -130,34 +125,14 @@ def complaints() -> list[str]:
     return wrong
 
 
-def page() -> str:
-    """The text of EQUATIONS.md."""
+def generated() -> str:
+    """Return the table."""
     known, covered = homes(), tests()
-    lines = [
-        "# Equations",
-        "",
-        "This table gives the code and the tests of each equation of the thesis, sections 2.4 and 2.5 and chapters",
-        "3, 4 and 5. `docs/generate/equations.py` writes it from the citations in the code. The files of",
-        "`evidence/chapter3/` implement chapter 3 as published, and list deviations under *Differs from the thesis*.",
-        "",
-        "| equation | code | tests |",
-        "|---|---|---|",
-    ]
+    lines = ["| equation | code | tests |", "|---|---|---|"]
     for number in EXPECTED:
         if number in REASONS:
             where, by = f"*none: {REASONS[number]}*", ""
         else:
             where, by = "<br>".join(dict.fromkeys(known[number])), "<br>".join(dict.fromkeys(covered[number]))
         lines.append(f"| ({number[0]}.{number[1]}) | {where} | {by} |")
-    return "\n".join(lines) + "\n"
-
-
-def main(arguments: list[str]) -> int:
-    wrong = complaints()
-    for sentence in wrong:
-        print(sentence, file=sys.stderr)
-    return max(write_or_check({PAGE: page()}, arguments), 1 if wrong else 0)
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    return "\n".join(lines)

@@ -1,32 +1,34 @@
-"""Updates marked numbers on the pages from measured values. --check only compares.
+"""Update marked numbers on the pages from measured values. --check only compares.
 
   python docs/generate/numbers_of_pages.py              the numbers of all pages, from docs/data/
-  python docs/generate/numbers_of_pages.py --collect    first the cited rows, from results/ to docs/data/
+  python docs/generate/numbers_of_pages.py --collect    first the cited rows and the figures of CHARTS, from results/
 
-A mark is a comment after a number, invisible on the page: `14<!--= contact-manchester | QUANTITY | .0f -->` is the row
-of a scenario's summary.json, `10 000<!--= tests/test_rare.py | RUNS | -->` a constant of a test. Templates
-(docs/generate/charts.py) name rows in the same words, `[[scenario | quantity | format]]`. A format with + keeps the
-sign. Tests that run a cited
-scenario compare its rows with the stored ones (tests/scenarios/test_scenarios.py).
+A mark is a comment after a number, invisible on the page: `14<!--= contact-manchester | QUANTITY | .0f -->` is a row
+of a scenario's summary.json, `10 000<!--= tests/test_rare.py | RUNS | -->` a constant of a test. A format with + keeps
+the sign. Tests that run a cited scenario compare its rows with the stored ones (tests/scenarios/test_scenarios.py).
 """
 
+import ast
 import json
 import re
+import shutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
 from typing import Any, NamedTuple
 
-from charts import CHARTS, HERE, measured
-from counts import PAGES, constant
-from pages import DOCS, ROOT, write_or_check
+from pages import DOCS, ROOT
 
-from readers.documents import read_document, text_in
-
-KEPT = DOCS / "data" / "numbers.json"
+PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
+DATA = DOCS / "data"
+#: Scenarios of `make charts`: their figures and summaries are stored in docs/.
+CHARTS = (
+    *("speed-accuracy", "throughput", "stability-atlas", "coupling-step", "levels", "levels-in-curves"),
+    *("contact-model", "thesis-step", "train-brake-evidence"),
+)
+#: Rows of the other scenarios.
+KEPT = DATA / "numbers.json"
 #: A number, and the mark behind it.
 MARKED = re.compile(r"(?P<number>[+-]?\d+(?: \d{3})*(?:\.\d+)?(?:e-?\d+)?)<!--= (?P<mark>[^|]+\|[^|]+\|[^|]*?) ?-->")
-TEMPLATE = re.compile(r"\[\[([^\]|]+\|[^\]|]+\|[^\]|]*)\]\]")
 
 
 class Mark(NamedTuple):
@@ -55,46 +57,56 @@ class Mark(NamedTuple):
         return f"{abs(value):,}".replace(",", " ") if not self.form and abs(value) >= 10_000 else text
 
 
+def constant(file: str, name: str) -> Any:
+    """Return the value of a constant of a test. Raises KeyError if it does not exist."""
+    for node in ast.parse((ROOT / file).read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Assign):
+            target = ast.unparse(node.targets[0]).strip("()").split(", ")
+            if name in target:
+                value = ast.literal_eval(node.value)
+                return value if len(target) == 1 else value[target.index(name)]
+    raise KeyError(f"{file} has no constant {name}, which a page cites.")
+
+
 def marks() -> Iterator[Mark]:
-    """Yield the marks of all pages and templates."""
+    """Yield the marks of all pages."""
     for page in PAGES:
         yield from (Mark.of(one["mark"]) for one in MARKED.finditer(page.read_text("utf-8")))
-    for template in HERE.glob("*.in"):
-        yield from (Mark.of(one) for one in TEMPLATE.findall(template.read_text("utf-8")))
-
-
-def cited() -> dict[str, set[str]]:
-    """Return rows by scenario that pages cite and that `make charts` does not store."""
-    found: dict[str, set[str]] = {}
-    for one in marks():
-        if not one.of_a_test and one.source not in CHARTS:
-            found.setdefault(one.source, set()).add(one.name)
-    return found
 
 
 def kept() -> dict[str, dict[str, float]]:
-    """Return the measured rows by scenario."""
+    """Return the measured rows by scenario, except those of CHARTS."""
     return json.loads(KEPT.read_text("utf-8"))
 
 
 def collect() -> None:
-    """Store the rows that pages cite, of scenarios that have results; the others keep their stored rows."""
-    found = {}
-    for scenario, names in sorted(cited().items()):
-        path = ROOT / "results" / scenario / "summary.json"
-        rows = kept().get(scenario, {})
-        if path.exists():
-            summary = read_document(path)
-            if text_in(summary, "scenario", f"{path}") != scenario:
-                sys.exit(f"{path} must hold the results of {scenario}. Run {scenario} again.")
-            rows = {row["quantity"]: row["simulated"] for row in summary["rows"]}
-        found[scenario] = {name: rows[name] for name in sorted(names)}
-    KEPT.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    """Store the rows that pages cite of scenarios that have results, and figures and summaries of CHARTS."""
+    rows, found = kept(), dict[str, dict[str, float]]()
+    for one in marks():
+        folder = ROOT / "results" / one.source
+        if one.of_a_test or (one.source not in CHARTS and one.source in found):
+            continue
+        summary = json.loads((folder / "summary.json").read_text("utf-8")) if folder.exists() else None
+        if one.source in CHARTS and summary:
+            shutil.copyfile(folder / "figure.png", DOCS / "pictures" / f"{one.source}.png")
+            names = ("scenario", "rows", "pictures", "remarks", "versions", "wall_seconds")
+            text = json.dumps({name: summary[name] for name in names}, indent=1)
+            (DATA / f"{one.source}.json").write_text(text + "\n", encoding="utf-8")
+        elif one.source not in CHARTS:
+            cited = sorted({other.name for other in marks() if other.source == one.source})
+            now = {row["quantity"]: row["simulated"] for row in summary["rows"]} if summary else rows[one.source]
+            found[one.source] = {name: now[name] for name in cited}
+    KEPT.write_text(json.dumps(dict(sorted(found.items())), indent=1) + "\n", encoding="utf-8")
 
 
 def values() -> dict[tuple[str, str], float]:
     """Return all stored rows, by scenario and quantity."""
-    return measured()
+    found = {(name, quantity): value for name, rows in kept().items() for quantity, value in rows.items()}
+    for name in CHARTS:
+        summary = json.loads((DATA / f"{name}.json").read_text(encoding="utf-8"))
+        found[name, "wall_seconds"] = summary["wall_seconds"]
+        found |= {(name, row["quantity"]): row["simulated"] for row in summary["rows"]}
+    return found
 
 
 def filled(text: str, rows: Mapping[tuple[str, str], float]) -> str:
@@ -130,11 +142,19 @@ def half_a_unit(one: Mark, value: float) -> float:
 
 
 def main(arguments: list[str]) -> int:
-    """Write, or compare."""
+    """Write, or compare: return 1, with a message, for a page with other numbers."""
     if "--collect" in arguments:
         collect()
-    rows = values()
-    return write_or_check({page: filled(page.read_text("utf-8"), rows) for page in map(Path, PAGES)}, arguments)
+    rows, wrong = values(), 0
+    for page in PAGES:
+        old = page.read_text("utf-8")
+        new = filled(old, rows)
+        if new != old and "--check" in arguments:
+            print(f"{page.relative_to(ROOT)} has numbers other than measured: run make pages.", file=sys.stderr)
+            wrong = 1
+        elif new != old:
+            page.write_text(new, encoding="utf-8")
+    return wrong
 
 
 if __name__ == "__main__":

@@ -1,19 +1,33 @@
-"""Writes generated pages, or compares them."""
+"""Write the pages with their generated tables into build/pages/: `make pages`. The site fills the same pages.
 
+A line `<!-- generated: NAME -->` on a page is replaced by the text that `generated()` in docs/generate/NAME.py returns.
+"""
+
+import importlib
+import re
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
+MARK = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
 
 
-def write_or_check(pages: Mapping[Path, str], arguments: list[str]) -> int:
-    """Write each text into its file; with --check only compare. Return 1, with a message, for an outdated page."""
-    wrong = {path: text for path, text in pages.items() if not path.exists() or path.read_text("utf-8") != text}
-    for path, text in wrong.items():
-        if "--check" in arguments:
-            print(f"{path.relative_to(ROOT)} is not what it is made from: run make pages.", file=sys.stderr)
-        else:
-            path.write_text(text, encoding="utf-8")
-    return 1 if wrong and "--check" in arguments else 0
+def filled(page: str) -> str:
+    """Return a page with its generated parts."""
+    return MARK.sub(lambda mark: importlib.import_module(mark[1]).generated().strip("\n"), page)
+
+
+def main() -> int:
+    folder = ROOT / "build" / "pages"
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in sorted(DOCS.glob("*.md")):
+        text = path.read_text(encoding="utf-8")
+        if MARK.search(text):
+            (folder / path.name).write_text(filled(text), encoding="utf-8")
+            print(folder / path.name)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

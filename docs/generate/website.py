@@ -1,6 +1,6 @@
 """Hooks of MkDocs: pages in addition to those in docs/, and changes of links, places in the code and formulas.
 
-Additional pages are the README, EQUATIONS.md, the changelog, a page for each scenario and for each public name, and the
+Additional pages are the README, the changelog, a page for each scenario and for each public name, and the
 notebooks with their output. The live pages, the files of a release, and a search that works from a disk are added too.
 """
 
@@ -25,7 +25,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 from nbconvert import MarkdownExporter
 from nbconvert.preprocessors import ExecutePreprocessor
-from pages import DOCS, ROOT
+from pages import DOCS, ROOT, filled
 from scenario_pages import messages_of, pictures_of, scenario_page
 
 from bogie_braking.live import page as live
@@ -35,14 +35,14 @@ from products.sources import HOUSE
 
 LIVE = "live.html"
 #: Files outside docs/ by their names on the site, which starts at docs/index.md.
-OUTSIDE = {"inside/README.md": "README.md", "EQUATIONS.md": "EQUATIONS.md", "CHANGELOG.md": "CHANGELOG.md"}
+OUTSIDE = {"inside/README.md": "README.md", "CHANGELOG.md": "CHANGELOG.md"}
 #: Path of a Python file of the project, and a name in it; the same as a name with dots.
 PLACE = rf"(?<![\w/])((?:{'|'.join(HOUSE)})/[\w/]+|build_fmu)\.py(?::\s(\w+(?:\.\w+)*))?"
 DOTTED = rf"((?:{'|'.join(HOUSE)})(?:\.\w+)+)"
 #: Weights of pages in the search, by the beginnings of their names: guides first, then tables, then the others.
 BOOST = {
     **dict.fromkeys(("scenarios", "variables", "architecture", "checking", "limits"), 0.3),
-    **dict.fromkeys(("api/", "inside/", "ways", "EQUATIONS", "CHANGELOG"), 0.1),
+    **dict.fromkeys(("api/", "inside/", "ways", "equations", "CHANGELOG"), 0.1),
 }
 #: Words of users that a page answers, where its headings say them otherwise.
 WORDS = {
@@ -65,16 +65,16 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
         {room: [f"scenarios/{one.name}.md" for module in files for one in catalogue.scenarios_of(module)]}
         for room, files in catalogue.modules().items()
     ]
-    config.nav = filled(config.nav or [], {"Scenarios": ["scenarios.md", *rooms], "API": list(api_pages())})
+    config.nav = completed(config.nav or [], {"Scenarios": ["scenarios.md", *rooms], "API": list(api_pages())})
     return config
 
 
-def filled(nav: Any, added: dict[str, list[Any]]) -> Any:
+def completed(nav: Any, added: dict[str, list[Any]]) -> Any:
     """Return a navigation or a page of it, with the empty sections of these names filled."""
     if not isinstance(nav, list):
         return nav
     return [
-        one if isinstance(one, str) else {name: added.get(name) or filled(one[name], added) for name in one}
+        one if isinstance(one, str) else {name: added.get(name) or completed(one[name], added) for name in one}
         for one in nav
     ]
 
@@ -140,7 +140,8 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
         return markdown.replace("](../../README.md", "](../inside/README.md").replace("](../../", "](../")
     if "/" in name:
         return markdown
-    if name == "EQUATIONS.md":
+    markdown = filled(markdown)
+    if name == "equations.md":
         markdown = re.sub(PLACE, lambda place: f"`{place.group()}`", markdown)
     if name == "scenarios.md":
         markdown = re.sub(r"^\| `([\w-]+)` ", lambda row: thumbnail(row.group(1)), markdown, flags=re.MULTILINE)

@@ -1,23 +1,20 @@
-"""Write the table of quantities into docs/consists.md: imported trains beside the formulas of their programs.
+"""Quantities of imported trains agree with the formulas of their programs, in docs/consists.md by name.
 
-Each program has a file here. A quantity that deviates by more than 1 % needs a reason. --check only compares.
+Each program has a file here. A quantity that deviates by more than 1 % needs a reason.
 """
 
 import json
 import math
-import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from pages import DOCS, write_or_check
+import pytest
 
 from products.train.consist import Consist
 from products.train.imported_consist import imported_consist
 from products.train.summary import brake_force
 
-PAGE = DOCS / "consists.md"
 #: Largest deviation without a reason, gravity of the importers [m/s2], and a speed [m/s].
 CLOSE, G, FAST = 0.01, 9.80665, 30.0
 #: Gravity of ALTRIOS (uc.rs), and air of OpenBVE at 20 degC (Atmosphere.cs) [kg/m3].
@@ -35,7 +32,7 @@ STOCK = {
     "rolling_resistance": {"type": "davis", "A": 5400.0, "B": 200.0, "C": 12.0},
 }
 PER_MASS = STOCK | {"rolling_resistance": {"type": "davis", "A": 5400 / 9e5, "B": 200 / 9e5, "C": 12 / 9e5}}
-CAR = (DOCS.parent / "tests" / "data" / "altrios_car.yaml").read_text(encoding="utf-8")
+CAR = (Path(__file__).parents[1] / "data" / "altrios_car.yaml").read_text(encoding="utf-8")
 BVE = """OPENBVE
 #PERFORMANCE\n3.6\n0.35\n0\n0.0025\n1.2
 #BRAKE\n2\n0\n0
@@ -205,43 +202,10 @@ def of_railml() -> list[Quantity]:
     return [Quantity("railML", *row) for row in rows]
 
 
-def consists() -> dict[str, Consist]:
-    """Return the imported trains by program."""
-    found = {}
-    for program, (name, text) in FILES.items():
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / name
-            path.write_text(text, encoding="utf-8")
-            found[program] = imported_consist(path)[0]
-    return found
-
-
-def row_of(one: Quantity, consist: Consist) -> str:
-    """Return a row of the table. Raises ValueError for a deviation without a reason, or a reason without one."""
-    here = one.here(consist)
-    off = here / one.there - 1.0
-    if not math.isfinite(off) or (abs(off) > CLOSE) is not bool(one.reason):
-        raise ValueError(f"{one.program}, {one.name}: {here:g} here and {one.there:g} there; correct it or its reason.")
-    share = f"{100 * off:.1f} %" if abs(off) >= 5e-4 else "0"
-    return (
-        f"| {one.program} | {one.name} [{one.unit}] | {digits(here)} | {digits(one.there)} | {share} | {one.source} "
-        f"| {one.reason} |"
-    )
-
-
-def digits(value: float) -> str:
-    """Return a number with four digits, or as an integer."""
-    return f"{value:.0f}" if value >= 1000.0 else f"{value:.4g}"
-
-
-def page(text: str) -> str:
-    """Return the page with the table."""
-    trains = consists()
-    head = "| program | quantity | here | there | difference | its source | reason |\n|---|---|---|---|---|---|---|\n"
-    rows = "\n".join(row_of(one, trains[one.program]) for one in quantities())
-    begin, _, rest = text.partition(head.partition("\n")[0])
-    return f"{begin}{head}{rows}\n\n{rest.partition(chr(10) * 2)[2]}"
-
-
-if __name__ == "__main__":
-    sys.exit(write_or_check({PAGE: page(PAGE.read_text(encoding="utf-8"))}, sys.argv[1:]))
+@pytest.mark.parametrize("one", quantities(), ids=lambda one: f"{one.program}: {one.name}")
+def test_an_imported_quantity_is_that_of_the_programs_formula_but_for_a_reason(one: Quantity, tmp_path: Path) -> None:
+    name, text = FILES[one.program]
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    off = one.here(imported_consist(tmp_path / name)[0]) / one.there - 1.0
+    assert (abs(off) > CLOSE) is bool(one.reason), f"{100 * off:.1f} %"
+    assert math.isfinite(off)

@@ -1,12 +1,13 @@
 """Shares of intervals of `bb.fit(..., places=...)` that hold, over fleets of simulated stops with known fields.
 
-python docs/generate/friction_fleets.py bogie          100 fleets of five stops each, table of docs/public.md
-python docs/generate/friction_fleets.py coach 0.05     friction differs between stops by 5 %
+python -m evidence.measuring.friction_fleets bogie          100 fleets of five stops each, table of docs/public.md
+python -m evidence.measuring.friction_fleets coach 0.05     friction differs between stops by 5 %
 """
 
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import numpy as np
 from scipy.signal import lfilter
@@ -65,7 +66,7 @@ def fleet(machine: Machine, seed: int, scatter: float) -> tuple[np.ndarray, list
 def main() -> int:
     """Print the share of intervals that hold, and the errors."""
     name, scatter = sys.argv[1], float(sys.argv[2]) if len(sys.argv) > 2 else 0.0
-    machine, law = MACHINES[fmu_named(name)](), low().law.values()
+    machine, law = MACHINES[fmu_named(name)](), dict[str, Any](low().law.values())
     inside, errors = [], []
     for seed in range(FLEETS):
         friction, logs = fleet(machine, seed, scatter)

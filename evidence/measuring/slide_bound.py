@@ -1,18 +1,17 @@
 """Measures distances over the ideal by controller, up to one that is shown everything, for docs/controller.md.
 
-python docs/generate/slide_bound.py              figure and table from docs/data/slide-bound.json
-python docs/generate/slide_bound.py --measure    first the stops, some ten minutes
-python docs/generate/slide_bound.py --check      exit status 1 if the table of the page differs from the numbers
+python -m evidence.measuring.slide_bound              writes the figure and prints the table, from docs/data/
+python -m evidence.measuring.slide_bound --measure    first the stops, some ten minutes
 """
 
 import json
 import sys
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from pages import DOCS
 
 from bogie_braking.reporting import plots
 from evidence.omniscient import of_all, shortest
@@ -26,8 +25,8 @@ from products.protection.settings import Settings
 from rbd_model.contact.friction import constant_friction
 from rbd_model.track.friction import RailCondition, low, wet
 
-DATA, PICTURE, PAGE = DOCS / "data" / "slide-bound.json", DOCS / "pictures" / "slide-bound.png", DOCS / "controller.md"
-BEGIN, END = "<!-- slide bound -->\n", "<!-- end of slide bound -->\n"
+DOCS = Path(__file__).parents[2] / "docs"
+DATA, PICTURE = DOCS / "data" / "slide-bound.json", DOCS / "pictures" / "slide-bound.png"
 FRICTIONS, SPEEDS = (0.04, 0.06, 0.08, 0.10, 0.12, 0.15), (16.7, 25.0, 40.0, 55.6)
 #: Errors of the teeth, as a share of the pitch, and their seed.
 JITTER, SEED = 0.02, 3
@@ -157,18 +156,12 @@ def picture(data: dict[str, Any]) -> Figure:
 
 
 def main() -> int:
-    asked = sys.argv[1:]
     data = json.loads(DATA.read_text(encoding="utf-8")) if DATA.exists() else {}
-    if "--measure" in asked:
+    if "--measure" in sys.argv:
         data = {f"{name} {flow}": measured(MACHINES[name](), flow) for name, flow in KINDS}
         DATA.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-    text = PAGE.read_text(encoding="utf-8")
-    head, rest = text.split(BEGIN)
-    new = head + BEGIN + "\n" + table(data) + "\n" + END + rest.split(END)[1]
-    if "--check" in asked:
-        return int(new != text)
-    PAGE.write_text(new, encoding="utf-8")
     picture(data).savefig(PICTURE, dpi=120)
+    print(table(data))
     return 0
 
 

@@ -1,17 +1,17 @@
 """Measures the values of docs/rare.md by splitting and by ten million plain runs of the point level, and plots them.
 
-python docs/generate/rare_stops.py              the figure, from docs/data/rare-stops.json
-python docs/generate/rare_stops.py --plain      first the plain runs, five to fifteen minutes
-python docs/generate/rare_stops.py --seeds      first the intervals of 200 seeds, as long
+python -m evidence.measuring.rare_stops              the figure, from docs/data/rare-stops.json
+python -m evidence.measuring.rare_stops --plain      first the plain runs, five to fifteen minutes
+python -m evidence.measuring.rare_stops --seeds      first the intervals of 200 seeds, as long
 """
 
 import json
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from pages import DOCS
 from scipy.stats import binomtest, norm, uniform
 
 import bogie_braking as bb
@@ -19,6 +19,7 @@ from bogie_braking.rare_events import Rare
 from bogie_braking.reporting import plots
 from fmu_src.progress import counting
 
+DOCS = Path(__file__).parents[2] / "docs"
 DATA, PICTURE = DOCS / "data" / "rare-stops.json", DOCS / "pictures" / "rare-stops.png"
 #: A stop of the bogie of chapter 5 as a point, from 90 km/h. All that is random is assumed: adhesion of the rail below
 #: both wheelsets, shoes that each give another torque, a load between empty and full.
@@ -42,7 +43,8 @@ SEEDS = range(200)
 
 def plain_distances(part: int) -> np.ndarray:
     """Return stopping distances of one part of the plain runs [m], shape (PART,)."""
-    random, values = np.random.default_rng([SEED, part]), {}
+    random = np.random.default_rng([SEED, part])
+    values: dict[str, Any] = {}
     for names, one in VARY.items():
         drawn = one.rvs(PART, random_state=random)
         values |= dict.fromkeys([names] if isinstance(names, str) else names, drawn)
