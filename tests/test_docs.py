@@ -82,7 +82,7 @@ def unknown_places(text: str) -> list[str]:
     for name, inside in PLACE.findall(re.sub(r"\]\([^)]*\)", "]", text)):
         path = ROOT / name
         known = path.exists() and (not inside or path.suffix != ".py" or inside in definitions(path))
-        if not known and not name.startswith(MADE):
+        if not known and not name.startswith(MADE) and "NAME" not in name:
             unknown.append(f"{name} {inside}".strip())
     return unknown
 
