@@ -162,7 +162,9 @@ def test_numbers_on_the_pages_are_those_measured(numbers: ModuleType) -> None:
 
 def test_every_generated_part_of_a_page_has_its_generator(numbers: ModuleType) -> None:
     found = [
-        name for page in WRITTEN for name in re.findall(r"<!-- generated: (.*) -->", (ROOT / page).read_text("utf-8"))
+        name
+        for page in WRITTEN
+        for name in re.findall(r"(?m)^<!-- generated: (.*) -->", (ROOT / page).read_text("utf-8"))
     ]
     assert sorted(found) == ["benchmark", "catalogue", "equations", "variables"]
     for name in found:
