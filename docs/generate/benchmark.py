@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from pages import DOCS
+from pages import DOCS, table
 
 from readers.documents import read_document
 from scenarios.benchmark.case import Case
@@ -82,13 +82,13 @@ def generated() -> str:
         for name, (inside, total, draws) in read["ranges"].items()
     ]
     parts = [
-        markdown(heads, [text for _, text in rows]),
+        table(heads, [text for _, text in rows]),
         "Processor time of a point:",
-        markdown(["case", *programs], costs),
+        table(["case", *programs], costs),
         "Published values within 5 to 95 % of the answers, where inputs are drawn at random ([ranges](#ranges)):",
-        markdown(["case", "random inputs", "in range", "draws"], ranges),
+        table(["case", "random inputs", "in range", "draws"], ranges),
         "Sources:",
-        markdown(["case", "source", "licence", "how sure"], sources),
+        table(["case", "source", "licence", "how sure"], sources),
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -107,12 +107,6 @@ def cost_of(found: dict[Any, dict[str, Any]], case: str, program: str) -> float 
     """Return the processor time of a point [s]; None without an answer."""
     costs = [one["cost"] for (name, _, by), one in found.items() if (name, by) == (case, program)]
     return costs[0] if costs else None
-
-
-def markdown(heads: list[str], rows: list[list[str]]) -> str:
-    """Return a table."""
-    lines = [heads, ["---"] * len(heads), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,10 @@
 """Tables of docs/scenarios.md: every scenario by its package, from the catalogues."""
 
 import importlib
+from collections.abc import Iterator
 from types import ModuleType
+
+from pages import table
 
 from bogie_braking.reporting.scenario import Scenario
 from scenarios.catalogue import MODULES, scenarios_of
@@ -24,15 +27,13 @@ def options(scenario: Scenario) -> str:
     return f"{given}<br>" * bool(given) + f"sweep over {varied}"
 
 
-def table(files: list[ModuleType]) -> list[str]:
-    """Return the rows of one folder: the docstring of a file with one scenario, or the summary of each of several."""
-    lines = ["| scenario | content | options |", "|---|---|---|"]
+def rows(files: list[ModuleType]) -> Iterator[tuple[str, str, str]]:
+    """Yield the rows of one folder: the docstring of a file with one scenario, or the summary of each of several."""
     for module in files:
         held = scenarios_of(module)
         for scenario in held:
             about = " ".join((module.__doc__ or "").split()) if len(held) == 1 else f"{scenario.summary}."
-            lines.append(f"| `{scenario.name}` | {about} | {options(scenario)} |")
-    return lines
+            yield f"`{scenario.name}`", about, options(scenario)
 
 
 def generated() -> str:
@@ -41,5 +42,6 @@ def generated() -> str:
     for room, files in modules().items():
         about = (importlib.import_module(room).__doc__ or "").strip()
         where = ", in a checkout" if room.startswith("evidence") else ""
-        lines += [f"## {room.partition('.')[2]}{where}", "", about, "", *table(files), ""]
+        listed = table(("scenario", "content", "options"), rows(files))
+        lines += [f"## {room.partition('.')[2]}{where}\n", f"{about}\n", f"{listed}\n"]
     return "\n".join(lines)

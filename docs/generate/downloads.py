@@ -4,7 +4,7 @@ import hashlib
 import re
 from pathlib import Path
 
-from pages import ROOT
+from pages import ROOT, table
 
 DIST = ROOT / "dist"
 #: The part of docs/downloads.md that the table replaces if a release exists.
@@ -21,8 +21,8 @@ def filled(page: str) -> str:
     found = files()
     if not found:
         return page
-    rows = [f"| [{path.name}](downloads/{path.name}) | {size(path)} | `{checksum(path)}` |" for path in found]
-    return PLACE.sub(lambda _: "\n".join(["| file | size | SHA-256 |", "|---|---|---|", *rows]), page)
+    rows = [(f"[{path.name}](downloads/{path.name})", size(path), f"`{checksum(path)}`") for path in found]
+    return PLACE.sub(lambda _: table(("file", "size", "SHA-256"), rows), page)
 
 
 def size(path: Path) -> str:

@@ -12,7 +12,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
-from pages import ROOT
+from pages import ROOT, table
 
 HOMES, TESTS = ("rbd_model", "brake_controller", "scenarios", "evidence"), "tests"
 #: Number of the last equation of each chapter of the thesis.
@@ -128,11 +128,11 @@ def complaints() -> list[str]:
 def generated() -> str:
     """Return the table."""
     known, covered = homes(), tests()
-    lines = ["| equation | code | tests |", "|---|---|---|"]
+    rows = []
     for number in EXPECTED:
         if number in REASONS:
             where, by = f"*none: {REASONS[number]}*", ""
         else:
             where, by = "<br>".join(dict.fromkeys(known[number])), "<br>".join(dict.fromkeys(covered[number]))
-        lines.append(f"| ({number[0]}.{number[1]}) | {where} | {by} |")
-    return "\n".join(lines)
+        rows.append((f"({number[0]}.{number[1]})", where, by))
+    return table(("equation", "code", "tests"), rows)

@@ -7,12 +7,12 @@ The scenarios of `make charts` take some ten minutes and have their figures and 
 
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from pages import DOCS, ROOT
+from pages import DOCS, ROOT, table
 
 from bogie_braking.exit_status import DOES_NOT_HOLD
 from bogie_braking.reporting.progress import counting
@@ -73,24 +73,18 @@ def tables(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     judged, others = parted(rows, lambda one: one["holds"])
     printed = any(one["thesis"] is not None for one in rows)
     heads = [head for head in HEADS if printed or head != "thesis"]
-    head = [line(heads), line(["---"] * len(heads))]
-    held, rest = ("\n".join([*head, *(row(one, heads) for one in some)]) for some in (judged, others))
+    held, rest = (table(heads, [row(one, heads) for one in some]) for some in (judged, others))
     words = f"{len(others)} rows that are not judged"
     folded = f'<details markdown="1">\n<summary>{words}</summary>\n\n{rest}\n\n</details>'
     return [held] * bool(judged) + [folded] * bool(others)
 
 
-def line(cells: Iterable[str]) -> str:
-    """Return a row of a table in Markdown."""
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
-
-
-def row(one: Mapping[str, Any], heads: Sequence[str]) -> str:
-    """Return one comparison as a row of the table."""
+def row(one: Mapping[str, Any], heads: Sequence[str]) -> list[str]:
+    """Return the cells of one comparison."""
     source = f"{one['source']}; {one['assumption']}" if one["assumption"] else one["source"]
     cells = (one["quantity"], one["unit"], number(one["thesis"]), number(one["simulated"]), one["asked"])
     shown = dict(zip(HEADS, (*cells, VERDICTS[one["holds"]], source), strict=True))
-    return line(shown[head] for head in heads)
+    return [shown[head].replace("|", "\\|") for head in heads]
 
 
 def main() -> int:

@@ -2,8 +2,10 @@
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
+
+from pages import table
 
 from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.arrays_fmu import ArraysInC
@@ -35,24 +37,17 @@ def choices() -> str:
                     owners.append(model.name)
     parts = ["## Choices by number\n"]
     for name, (numbers, owners) in found.items():
-        lines = ["| number | meaning |", "|---|---|", *(f"| {number} | {text} |" for number, text in numbers)]
-        parts.append(f"### `{name}`\n\nIn {', '.join(owners)}.\n\n" + "\n".join(lines) + "\n")
+        rows = [(str(number), text) for number, text in numbers]
+        parts.append(f"### `{name}`\n\nIn {', '.join(owners)}.\n\n{table(('number', 'meaning'), rows)}\n")
     return "\n".join(parts)
 
 
 def section(model: Model, alike: str | None) -> str:
     """Return the section of one FMU; an FMU that is like another has the same variables with other start values."""
-    table = variable_table(model)
+    text = variable_table(model)
     if alike:
-        table = (
-            f"Its variables are those of {model_of(alike).name}; `build_fmu.py --describe` shows its start values.\n"
-        )
-    return f"## {model.name}\n\n{model.description}.\n\n{table}"
-
-
-def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table in Markdown."""
-    return "\n".join(f"| {' | '.join(row)} |" for row in [heads, ["---"] * len(heads), *rows]) + "\n"
+        text = f"Its variables are those of {model_of(alike).name}; `build_fmu.py --describe` shows its start values.\n"
+    return f"## {model.name}\n\n{model.description}.\n\n{text}"
 
 
 def arrays(given: ArraysInC) -> str:
@@ -66,7 +61,7 @@ def arrays(given: ArraysInC) -> str:
         for one in given.arrays
     ]
     heads = ("name", "causality", "unit", "min", "max", "meaning")
-    return f"## {given.name}\n\n{given.description}.\n\n{table(heads, rows)}"
+    return f"## {given.name}\n\n{given.description}.\n\n{table(heads, rows)}\n"
 
 
 NUMBERS = """## Numbers of a train
@@ -95,7 +90,7 @@ def numbers_of_a_train() -> str:
                 most,
                 one.text,
             )
-    return NUMBERS + table(("group", "one for each of", "name", "unit", "from", "to", "what"), rows.values())
+    return NUMBERS + table(("group", "one for each of", "name", "unit", "from", "to", "what"), rows.values()) + "\n"
 
 
 def generated() -> str:

@@ -1,16 +1,17 @@
 """Figures of docs/adhesion.md: a law of friction each, and a fitted field.
 
-python docs/generate/adhesion.py
+python -m evidence.measuring.adhesion_figures
 """
 
 from __future__ import annotations
 
 import sys
+from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
-from pages import DOCS
 
 import bogie_braking as bb
 from bogie_braking.reporting import plots
@@ -19,6 +20,7 @@ from rbd_model.track.friction import CONDITIONS, low
 from rbd_model.track.recovery import assumed_recovery, easy_recovery, hard_recovery
 from rbd_model.track.sand import common_sand, friction_with_sand
 
+DOCS = Path(__file__).parents[2] / "docs"
 #: Map of friction and speeds of the stops [m], [1], [m/s]; error of the logged speed [m/s].
 PLACES = np.arange(0.0, 401.0, 50.0)
 FRICTION, SPEEDS, ERROR = np.array([8, 8, 5, 10, 7, 6, 9, 8, 7]) / 100, (13.0, 15.0, 18.0), 0.03
@@ -61,10 +63,8 @@ def over_sand() -> Figure:
     figure, axis = plots.single("Sand lifts the lowest friction most", "sand on the rail [g/m]", "friction [1]")
     sand, law = np.linspace(0.0, 10.0, 200), common_sand()
     for name in ("very_low", "low"):
-        mu = [
-            float(ca.evalf(friction_with_sand(CONDITIONS[name]().friction, each, law.sanded_friction, law.sand_scale)))
-            for each in 1e-3 * sand
-        ]
+        rail, limits = ca.SX(CONDITIONS[name]().friction), (ca.SX(law.sanded_friction), ca.SX(law.sand_scale))
+        mu = [float(ca.evalf(friction_with_sand(rail, ca.SX(each), *limits))) for each in 1e-3 * sand]
         axis.plot(sand, mu, label=name)
     axis.legend()
     return figure
@@ -78,7 +78,7 @@ def over_place() -> Figure:
         stop = bb.protected_stop(None, "low", line=line, speed=speed)
         stop["speed"][:] += error.normal(0.0, ERROR, stop["speed"].size)
         logs.append(stop)
-    law = {name: value for name, value in low().law.values().items() if name != "friction_decay"}
+    law: dict[str, Any] = {name: value for name, value in low().law.values().items() if name != "friction_decay"}
     field = bb.fit("bogie", logs, {"friction": 0.15}, places=PLACES, friction_decay=0.2, **law)
     figure, axis = plots.single("Three stops show the friction of 400 m of rail", "place [m]", "friction [1]")
     axis.plot(PLACES, FRICTION, color=plots.BOGIE, label="of the rail")
