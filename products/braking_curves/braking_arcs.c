@@ -4,8 +4,6 @@
 #include <math.h>
 
 #define KMH (1.0 / 3.6)
-/* Halvings of a range of speeds; the last one is 1e-13 m/s wide. */
-#define BISECTIONS 50
 /* The error of the speed is constant below and above, and linear in between [m/s]. */
 static const double SLOW = 30.0 * KMH, FAST = 500.0 * KMH, SLOW_ERROR = 2.0 * KMH, FAST_ERROR = 12.0 * KMH;
 
@@ -98,16 +96,20 @@ void curve_find(braking_curve *self, double place, double speed, const speed_ste
     while (curve_advance(&at, brake, line, 1) && at.square < most * most && self->count < curve_room(line->edges));
 }
 
-double curve_place(const braking_curve *self, double speed) {
-    const double square = speed * speed;
-    int low = 1, high = self->count; /* of the last arc that begins at the square or below */
+/* The last arc that begins at the square of a speed or below. */
+static const braking_arc *curve_arc(const braking_curve *self, double square) {
+    int low = 1, high = self->count;
     while (low < high) {
         const int middle = low + (high - low) / 2;
         if (self->arc[middle].square <= square) low = middle + 1;
         else high = middle;
     }
-    const braking_arc *arc = &self->arc[low - 1];
-    const double lost = square - arc->square;
+    return &self->arc[low - 1];
+}
+
+double curve_place(const braking_curve *self, double speed) {
+    const braking_arc *arc = curve_arc(self, speed * speed);
+    const double lost = speed * speed - arc->square;
     if (lost <= 0.0) return arc->place;
     return arc->rate > 0.0 ? arc->place - lost / (2.0 * arc->rate) : -INFINITY;
 }
@@ -120,9 +122,18 @@ double speed_error(double speed) {
     return SLOW_ERROR + (FAST_ERROR - SLOW_ERROR) * ((speed - SLOW) / (FAST - SLOW));
 }
 
-/* The speed with its error. */
+/* The speed with its error, its derivative by the speed, and the speed that has it. */
 static double with_error(const supervision_limit *self, double speed) {
     return self->compensated ? speed + speed_error(speed) : speed;
+}
+static double error_slope(const supervision_limit *self, double speed) {
+    return self->compensated && speed > SLOW && speed < FAST ? 1.0 + (FAST_ERROR - SLOW_ERROR) / (FAST - SLOW) : 1.0;
+}
+static double without_error(const supervision_limit *self, double sum) {
+    if (!self->compensated) return sum;
+    if (sum <= SLOW + SLOW_ERROR) return sum - SLOW_ERROR;
+    if (sum >= FAST + FAST_ERROR) return sum - FAST_ERROR;
+    return SLOW + (sum - SLOW - SLOW_ERROR) / (1.0 + (FAST_ERROR - SLOW_ERROR) / (FAST - SLOW));
 }
 
 double limit_reached(const supervision_limit *self, double speed) {
@@ -136,14 +147,44 @@ double limit_place(const supervision_limit *self, double speed) {
     return curve_place(self->curve, after + self->crept) - way - self->lag * speed;
 }
 
+/* Narrow a range of speeds, within which the limit passes a place, by a speed between both. */
+static void limit_narrow(const supervision_limit *self, double place, double speed, double *low, double *high) {
+    if (!(speed > *low && speed < *high)) return;
+    if (limit_place(self, speed) >= place) *low = speed;
+    else *high = speed;
+}
+
+/* Narrow the range to one arc. */
+static void limit_narrow_to_arc(const supervision_limit *self, double place, double *low, double *high) {
+    int first = 0, last = self->curve->count;
+    while (first < last) {
+        const int middle = first + (last - first) / 2;
+        const double reached = sqrt(self->curve->arc[middle].square) - self->crept - self->pulled;
+        const double speed = without_error(self, reached);
+        limit_narrow(self, place, speed, low, high);
+        if (speed <= *low) first = middle + 1;
+        else last = middle;
+    }
+}
+
 double limit_speed(const supervision_limit *self, double place, double most) {
     double low = 0.0, high = most;
     if (!(limit_place(self, low) >= place)) return 0.0;
     if (limit_place(self, high) >= place) return most;
-    for (int n = 0; n < BISECTIONS; ++n) { /* the place of the limit falls with the speed */
-        const double middle = low + (high - low) / 2.0;
-        if (limit_place(self, middle) >= place) low = middle;
-        else high = middle;
-    }
-    return low;
+    limit_narrow_to_arc(self, place, &low, &high);
+    limit_narrow(self, place, SLOW, &low, &high);
+    limit_narrow(self, place, FAST, &low, &high);
+    limit_narrow(self, place, without_error(self, self->target - self->pulled), &low, &high);
+    limit_narrow(self, place, without_error(self, self->target - self->pulled / 2.0), &low, &high);
+    /* Between both the place is a parabola of the speed: place(low) - h x - a x^2. */
+    const double middle = low + (high - low) / 2.0, fast = with_error(self, middle), slope = error_slope(self, middle);
+    const double reached = limit_reached(self, middle), rate = curve_arc(self->curve, reached * reached)->rate;
+    const double left = limit_place(self, low) - place;
+    if (!(rate > 0.0) || !(left > 0.0)) return low;
+    const double after = fast + self->pulled > self->target ? slope : 0.0;
+    const double pulling = fast + self->pulled / 2.0 > self->target ? slope : 0.0;
+    const double a = after * after / (2.0 * rate);
+    const double h = limit_reached(self, low) * after / rate + pulling * self->traction + after * self->building + self->lag;
+    const double x = 2.0 * left / (h + sqrt(h * h + 4.0 * a * left));
+    return x < high - low ? low + x : high;
 }

@@ -21,7 +21,7 @@ from products.supervision import FixedValues, Gradients, NationalValues, Steps, 
 from readers.text import BadInputError
 from tests.supervision.random_trains import one_of, trains
 
-#: The C code makes the same sums in another order, and halves ranges of speeds.
+#: The C code makes the same sums in another order, and solves for the speeds in closed form.
 EQUAL = 1e-9
 TRAINS = 20
 #: Speed of the line [m/s]: above 215 km/h no train has a brake percentage.
