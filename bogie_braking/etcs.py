@@ -6,21 +6,14 @@
 >>> limits.P  # places of the front at which the permitted speed is 10, 20 and 30 m/s [m]
 """
 
-from bogie_braking.wet_rails import WET_RAILS as WET_RAILS
-from bogie_braking.wet_rails import WetFactors as WetFactors
-from bogie_braking.wet_rails import WetRails as WetRails
-from bogie_braking.wet_rails import wet_factors as wet_factors
-from products.braking_curves.train_data import fmu_parameters as fmu_parameters
-from products.etcs_files.national import read_national as read_national
-from products.etcs_files.osrd import osrd_document as osrd_document
-from products.etcs_files.osrd import read_osrd_train as read_osrd_train
-from products.etcs_files.train_file import EtcsTrain as EtcsTrain
-from products.etcs_files.train_file import read_train as read_train
-from products.etcs_files.train_file import train_document as train_document
-from products.etcs_files.train_file import write_train as write_train
+from bogie_braking.wet_rails import WET_RAILS, WetFactors, WetRails, wet_factors
+from products.braking_curves.train_data import fmu_parameters
+from products.etcs_files.national import read_national
+from products.etcs_files.osrd import osrd_document, read_osrd_train
+from products.etcs_files.train_file import EtcsTrain, read_train, train_document, write_train
 from products.supervision import *  # noqa: F403
 from products.supervision import __all__ as _of_supervision
-from products.tolerance_file import read_tolerances as read_tolerances
+from products.tolerance_file import read_tolerances
 
 __all__ = [
     *_of_supervision,

@@ -31,13 +31,12 @@ def release_speed(train: SupervisedTrain, beyond: float, trip: float = 0.0, plac
     if not 0.0 <= trip <= beyond:
         raise BadInputError(f"trip must be 0 to {beyond:g} m, the distance of the SvL; got {trip:g} m.")
     speeds = np.arange(0.0, FASTEST + RESOLUTION, RESOLUTION)
-    national, *_ = checked_values(others.get("national"))
     measured = others.pop("V_ura", None)
+    national, *_ = checked_values(others.get("national"))
     if measured is None and national.exact_speed:
         measured = 0.0
-    elif measured is not None:
-        measured = at_least("V_ura", measured, 0.0, "m/s")
-    error = np.maximum(predicted_error(measured, speeds), 0.0 if measured is None else np.max(measured))
+    least = 0.0 if measured is None else np.max(at_least("V_ura", measured, 0.0, "m/s"))
+    error = np.maximum(predicted_error(measured, speeds), least)
     found = supervise(train, place, speeds, kind="EOA", beyond=beyond, V_ura=error, **others).EBI
     safe = np.nonzero(np.ravel(found) >= place + trip)[0]
     return float(speeds[safe[-1]]) if safe.size else 0.0
