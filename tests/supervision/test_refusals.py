@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, fields, replace
+from dataclasses import fields, replace
+from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,8 @@ TRAIN = etcs.SupervisedTrain(200.0, ONE, ONE, 3.0, 2.0)
 BY_PERCENTAGE = etcs.SupervisedTrain.of_percentage(100.0, "passenger P", 200.0)
 COUNTRY, TOLERANCES = etcs.NationalValues(), etcs.Tolerances(friction=0.05)
 VEHICLES, UNITS = [etcs.BrakedVehicles(9, 55.0)], [etcs.BrakeUnits(9, 55.0, 0.001)]
+OF_VEHICLES = (etcs.factors_of, etcs.causes_of, etcs.one_failure)
+OF_PERCENTAGE = {"percentage": 100.0, "position": "freight G", "length": 200.0}
 LEVEL = (np.zeros(0), np.zeros(1))
 ARCS = etcs.braking_arcs(0.0, 0.0, ONE, LEVEL)
 #: Values that no argument below takes.
@@ -28,63 +31,41 @@ def _given(one: Any) -> dict[str, Any]:
     return {field.name: getattr(one, field.name) for field in fields(one)}
 
 
-#: Functions with arguments that they take; all are made wrong in turn, but names.
+#: Functions with arguments that they take beside their defaults; all are made wrong in turn, but names.
 CALLS: dict[Callable[..., Any], dict[str, Any]] = {
     etcs.Steps: {"boundaries": [20.0], "values": [1.0, 0.9]},
     etcs.Steps.constant: {"value": 1.0},
     ONE.at: {"speed": 1.0},
-    etcs.Gradients: {"starts": [0.0], "permille": [-10.0], "unit": None},
+    etcs.Gradients: {"starts": [0.0], "permille": [-10.0]},
     etcs.Gradients.level().lowest_under: {"length": 200.0},
     etcs.SupervisedTrain: _given(TRAIN),
-    etcs.SupervisedTrain.of_percentage: {
-        "percentage": 100.0,
-        "position": "passenger P",
-        "length": 200.0,
-        "resolution": 0.0,
-        "maximum_speed": 30.0,
-    },
-    etcs.brake_of_percentage: {"percentage": 100.0, "position": "freight G", "length": 200.0, "resolution": 0.0},
+    etcs.SupervisedTrain.of_percentage: OF_PERCENTAGE | {"maximum_speed": 30.0},
+    etcs.brake_of_percentage: OF_PERCENTAGE,
     TRAIN.check_level: {"level": 9},
-    TRAIN.safe_brake: {"national": COUNTRY, "slippery": False},
+    TRAIN.safe_brake: {"national": COUNTRY},
     TRAIN.build_up_times: {"national": COUNTRY, "target_speed": 0.0},
     BY_PERCENTAGE.speed_factor: {"national": COUNTRY},
-    etcs.supervise: {
-        "train": TRAIN,
-        "place": 2000.0,
-        "V_est": [10.0, 20.0],
-        "kind": "EOA",
-        "target_speed": 0.0,
-        "beyond": 0.0,
-        "gradients": None,
-        "national": None,
-        "fixed": None,
-        "A_est": 0.0,
-        "V_ura": None,
-        "slippery": False,
-        "pipe_fall": 0.0,
-    },
-    etcs.release_speed: {"train": TRAIN, "beyond": 50.0, "trip": 0.0, "place": 0.0, "V_ura": None, "national": None},
-    etcs.braking_arcs: {"place": 0.0, "speed": 0.0, "brake": ONE, "gradients": LEVEL, "eased": None},
+    etcs.supervise: {"train": TRAIN, "place": 2000.0, "V_est": [10.0, 20.0]},
+    etcs.release_speed: {"train": TRAIN, "beyond": 50.0, "V_ura": None, "national": None},
+    etcs.braking_arcs: {"place": 0.0, "speed": 0.0, "brake": ONE, "gradients": LEVEL},
     ARCS.place_at: {"speed": 1.0},
     ARCS.speed_at: {"place": -1.0},
     etcs.NationalValues: _given(COUNTRY),
-    etcs.FixedValues: asdict(etcs.FixedValues()),
+    etcs.FixedValues: {},
     etcs.FixedValues().dV_ebi: {"speed": 1.0},
-    etcs.BrakeUnits: asdict(UNITS[0]),
-    etcs.dry_factors: {"units": UNITS, "common": 0.0},
-    etcs.Tolerances: asdict(TOLERANCES),
+    etcs.BrakeUnits: {"count": 9, "force": 55.0},
+    etcs.dry_factors: {"units": UNITS},
+    etcs.Tolerances: _given(TOLERANCES),
     TOLERANCES.without: {"name": "friction"},
-    etcs.BrakedVehicles: asdict(VEHICLES[0]),
-    etcs.factors_of: {"vehicles": VEHICLES, "tolerances": TOLERANCES},
-    etcs.causes_of: {"vehicles": VEHICLES, "tolerances": TOLERANCES, "level": 9},
-    etcs.one_failure: {"vehicles": VEHICLES, "tolerances": TOLERANCES, "level": 9},
+    etcs.BrakedVehicles: {"count": 9, "force": 55.0},
+    **{function: {"vehicles": VEHICLES, "tolerances": TOLERANCES} for function in OF_VEHICLES},
     etcs.build_up_of: {"vehicles": VEHICLES, "tolerances": TOLERANCES, "build_up": 2.4},
-    etcs.rounded_train: {"train": TRAIN, "dry_by_level": ()},
+    etcs.rounded_train: {"train": TRAIN},
     etcs.rounded_national: {"national": COUNTRY},
-    etcs.without_effect: {"train": TRAIN, "national": COUNTRY, "slippery": False},
-    etcs.fmu_parameters: {"train": TRAIN, "national": None, "fixed": None, "version": 2},
-    etcs.train_document: {"train": TRAIN, "dry_by_level": ()},
-    etcs.EtcsTrain: {"train": TRAIN, "dry_by_level": ()},
+    etcs.without_effect: {"train": TRAIN, "national": COUNTRY},
+    etcs.fmu_parameters: {"train": TRAIN},
+    etcs.train_document: {"train": TRAIN},
+    etcs.EtcsTrain: {"train": TRAIN},
     etcs.osrd_document: {"train": replace(TRAIN, service_command=True)},
 }
 #: Arguments that may be None.
@@ -93,7 +74,9 @@ MAY_BE_NONE = ("rotating", "maximum_speed")
 
 @pytest.mark.parametrize("function", CALLS, ids=lambda one: one.__qualname__)
 def test_an_argument_of_another_kind_is_refused_with_one_message(function: Callable[..., Any]) -> None:
-    given = CALLS[function]
+    known = signature(function).parameters.values()
+    given = {one.name: one.default for one in known if one.default is not one.empty and one.name != "name"}
+    given |= CALLS[function]
     function(**given)
     for name, right in given.items():
         for wrong in [*NEVER, *([] if right is None or name in MAY_BE_NONE else [None])]:
