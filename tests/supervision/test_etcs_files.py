@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 from bogie_braking import etcs
+from products.supervision.tolerances import ENTRIES
 from readers.text import BadInputError, FileError
 from tests.supervision.random_trains import one_of, trains
 
@@ -101,49 +103,6 @@ def changed(document: dict[str, Any], place: list[str], value: Any) -> dict[str,
     return found
 
 
-@pytest.mark.parametrize(
-    ("place", "value", "says"),
-    [
-        (["T_brake_emergency", "unit"], "m", "must have a unit that converts to s; got m"),
-        (["T_brake_emergency", "value"], "2.4", "T_brake_emergency must be a number; got '2.4'. Remove the quotes"),
-        (["T_brake_emergency", "value"], 99.0, "T_brake_emergency must be 0 to 60 s; got 99"),
-        (["T_brake_emergency"], 2.4, 'must be {"value": ..., "unit": "s"}; got 2.4'),
-        (["T_brake_emergncy"], 2.4, "not a name of train data; did you mean T_brake_emergency"),
-        (["A_brake_service", "values", "value"], [1.0], "one value more than boundaries"),
-        (["A_brake_service", "boundaries", "value"], "no", "must be a list of numbers; got no"),
-        (["Kdry_rst"], [], "one step function or a list of 10; got 0"),
-        (["M_BRAKE_PERCENTAGE"], {"value": 90, "unit": "%"}, "M_BRAKE_PERCENTAGE stands for A_brake_emergency"),
-        (["M_BRAKE_POSITION"], "R", "M_BRAKE_POSITION must be one of passenger P"),
-        (["Q_SERVICEBRAKEINTERFACE"], 1, "must be true or false; got 1"),
-        (["M_NVEBCL"], {"value": 6.5, "unit": "1"}, "level must be an integer from 0 to 9; got 6.5"),
-        (["version"], 2, '"version": 1'),
-    ],
-)
-def test_train_data_that_are_wrong_are_refused(place: list[str], value: Any, says: str, tmp_path: Path) -> None:
-    path = tmp_path / "train.json"
-    path.write_text(json.dumps(changed(etcs.train_document(train_of_all()), place, value)))
-    with pytest.raises(FileError, match=says.replace("(", r"\(").replace("{", r"\{").replace(".", r"\.")):
-        etcs.read_train(path)
-
-
-@pytest.mark.parametrize(
-    ("place", "value", "says"),
-    [
-        (["etcs_brake_params", "t_bs2"], 1.0, "t_bs1 and t_bs2 must be equal"),
-        (["etcs_brake_params", "k_dry", "values"], [2.0, 1.0], "Kdry_rst must be 0 to 1.55"),
-        (["etcs_brake_params", "k_dry", "values"], [1.0], "k_dry: Steps must have one value more"),
-        (["etcs_brake_params", "t_be"], -1, "t_be must be a number of at least 0 s"),
-        (["etcs_brake_params", "k_moist"], 1, "k_moist is not a parameter"),
-        (["length"], "x", "length must be a number from 1 to 4095"),
-    ],
-)
-def test_a_rolling_stock_that_is_wrong_is_refused(place: list[str], value: Any, says: str, tmp_path: Path) -> None:
-    path, stock = tmp_path / "stock.json", etcs.osrd_document(train_of_all())
-    path.write_text(json.dumps(changed(stock, place, value)))
-    with pytest.raises(FileError, match=says):
-        etcs.read_osrd_train(path)
-
-
 ALL = """M_NVEBCL = 7
 M_NVAVADH = 0.2
 M_NVKTINT = 1.2
@@ -173,24 +132,94 @@ def test_a_file_has_all_national_values(tmp_path: Path) -> None:
     assert (found.reduced_adhesion, found.guidance, found.exact_speed, found.feedback) == ((1.0, 0.6, 0.7), *[True] * 3)
 
 
+def tolerances_in(folder: Path, text: str) -> etcs.Tolerances:
+    path = folder / "brake.toml"
+    path.write_text(text, encoding="utf-8")
+    return etcs.read_tolerances(path)
+
+
+def test_every_entry_is_read_in_its_unit(tmp_path: Path) -> None:
+    values = {"%": '"0.5 %"', "s": '"300 ms"', "1": "4"}
+    found = tolerances_in(
+        tmp_path, "[tolerances]\n" + "\n".join(f"{name} = {values[one.unit]}" for name, one in ENTRIES.items())
+    )
+    for name, entry in ENTRIES.items():
+        assert getattr(found, name) == pytest.approx({"%": 0.005, "s": 0.3, "1": 4}[entry.unit])
+    assert tolerances_in(tmp_path, "[tolerances]\nfriction = 0\ndelay = '0.2 s'\n") == etcs.Tolerances(delay=0.2)
+
+
+#: Files that are wrong, by what reads them: the place and value in a document, or the text; and what is said.
+WRONG_IN_TRAINS = [
+    (["T_brake_emergency", "unit"], "m", "must have a unit that converts to s; got m"),
+    (["T_brake_emergency", "value"], "2.4", "T_brake_emergency must be a number; got '2.4'. Remove the quotes"),
+    (["T_brake_emergency", "value"], 99.0, "T_brake_emergency must be 0 to 60 s; got 99"),
+    (["T_brake_emergency"], 2.4, 'must be {"value": ..., "unit": "s"}; got 2.4'),
+    (["T_brake_emergncy"], 2.4, "not a name of train data; did you mean T_brake_emergency"),
+    (["A_brake_service", "values", "value"], [1.0], "one value more than boundaries"),
+    (["A_brake_service", "boundaries", "value"], "no", "must be a list of numbers; got no"),
+    (["Kdry_rst"], [], "one step function or a list of 10; got 0"),
+    (["M_BRAKE_PERCENTAGE"], {"value": 90, "unit": "%"}, "M_BRAKE_PERCENTAGE stands for A_brake_emergency"),
+    (["M_BRAKE_POSITION"], "R", "M_BRAKE_POSITION must be one of passenger P"),
+    (["Q_SERVICEBRAKEINTERFACE"], 1, "must be true or false; got 1"),
+    (["M_NVEBCL"], {"value": 6.5, "unit": "1"}, "level must be an integer from 0 to 9; got 6.5"),
+    (["version"], 2, '"version": 1'),
+]
+WRONG_IN_STOCKS = [
+    (["etcs_brake_params", "t_bs2"], 1.0, "t_bs1 and t_bs2 must be equal"),
+    (["etcs_brake_params", "k_dry", "values"], [2.0, 1.0], "Kdry_rst must be 0 to 1.55"),
+    (["etcs_brake_params", "k_dry", "values"], [1.0], "k_dry: Steps must have one value more"),
+    (["etcs_brake_params", "t_be"], -1, "t_be must be a number of at least 0 s"),
+    (["etcs_brake_params", "k_moist"], 1, "k_moist is not a parameter"),
+    (["length"], "x", "length must be a number from 1 to 4095"),
+]
+WRONG_COUNTRIES = [
+    ("M_NVEBLC = 3", "M_NVEBLC is not a national value of the curves; did you mean M_NVEBCL"),
+    ("M_NVEBCL = 2.5", "M_NVEBCL must be an integer from 0 to 9; got 2.5"),
+    ("M_NVKVINT = [0.7, 0.8]", "one factor for each start of V_NVKVINT, 1 to 32; got 2 factors and 1 starts"),
+    ("V_NVKVINT = [0, 10]", "V_NVKVINT must have a list of factors"),
+    ("V_NVKVINT = [5, 10]\nM_NVKVINT = [1, 1]", "must ascend from 0 to at most 600 km/h"),
+    ("Q_NVGUIPERM = 2", "Q_NVGUIPERM must be true or false; got 2"),
+    ('A_NVP12 = "3 km/h"', "A_NVP12 must be a number, alone in m/s2"),
+    ('A_NVP12 = "0,3 m/s2"', "got 0,3 m/s2. Write a decimal point: 0.3 m/s2"),
+    ("A_NVP12 = 1", "A_NVP12 must be at most A_NVP23"),
+    ("A_NVMAXREDADH1 = 4", "A_NVMAXREDADH1 must be 0 to 3.15; got 4"),
+    ("M_NVKVINT = 3", "M_NVKVINT must be 0 to 2.54; got 3"),
+]
+WRONG_TOLERANCES = [
+    ("", r"must have a table \[tolerances\]"),
+    ("tolerances = 5", r"must have a table \[tolerances\]"),
+    ("[tolerances]\nfriction = 5", 'friction must have its unit; got 5. Write "5 %"'),
+    ('[tolerances]\nfriction = "0.05"', "friction must have its unit; got 0.05"),
+    ('[tolerances]\nfriction = "25 %"', "friction must be from 0 to 20 %; got 25 %"),
+    ('[tolerances]\nfriction = "-1 %"', "friction must be from 0 to 20 %; got -1 %"),
+    ('[tolerances]\nfriction = "5 kN"', "friction must be from 0 to 20 %; got 5 kN"),
+    ('[tolerances]\nfriction = "2,5 %"', "got 2,5 %. Write a decimal point: 2.5 %"),
+    ('[tolerances]\ndelay = "3 min"', "delay must be from 0 to 10 s; got 3 min"),
+    ("[tolerances]\ndelay = 0.3", 'delay must have its unit; got 0.3. Write "0.3 s"'),
+    ('[tolerances]\nlost = "1 %"\nunits = 1.5', "units must be an integer from 1 to 16; got 1.5"),
+    ('[tolerances]\nlost = "1 %"\nunits = 1000000000', "units must be an integer from 1 to 16"),
+    ('[tolerances]\nfrictoin = "5 %"', "'frictoin' is not a tolerance. Did you mean friction"),
+    ('[tolerances]\nnoticed = "5 %"', "got no isolated"),
+    ("[tolerances]\nfriction = true", "friction must be from 0 to 20 %; got true"),
+    ('[tolerances]\nfriction = "5 %"\n[other]\n', "alone; got other"),
+    ("[tolerances", "must be TOML"),
+]
+
+
 @pytest.mark.parametrize(
-    ("line", "says"),
+    ("read", "wrong", "says"),
     [
-        ("M_NVEBLC = 3", "M_NVEBLC is not a national value of the curves; did you mean M_NVEBCL"),
-        ("M_NVEBCL = 2.5", "M_NVEBCL must be an integer from 0 to 9; got 2.5"),
-        ("M_NVKVINT = [0.7, 0.8]", "one factor for each start of V_NVKVINT, 1 to 32; got 2 factors and 1 starts"),
-        ("V_NVKVINT = [0, 10]", "V_NVKVINT must have a list of factors"),
-        ("V_NVKVINT = [5, 10]\nM_NVKVINT = [1, 1]", "must ascend from 0 to at most 600 km/h"),
-        ("Q_NVGUIPERM = 2", "Q_NVGUIPERM must be true or false; got 2"),
-        ('A_NVP12 = "3 km/h"', "A_NVP12 must be a number, alone in m/s2"),
-        ('A_NVP12 = "0,3 m/s2"', "got 0,3 m/s2. Write a decimal point: 0.3 m/s2"),
-        ("A_NVP12 = 1", "A_NVP12 must be at most A_NVP23"),
-        ("A_NVMAXREDADH1 = 4", "A_NVMAXREDADH1 must be 0 to 3.15; got 4"),
-        ("M_NVKVINT = 3", "M_NVKVINT must be 0 to 2.54; got 3"),
+        *((etcs.read_train, (etcs.train_document, *wrong), re.escape(says)) for *wrong, says in WRONG_IN_TRAINS),
+        *((etcs.read_osrd_train, (etcs.osrd_document, *wrong), says) for *wrong, says in WRONG_IN_STOCKS),
+        *((etcs.read_national, text, says) for text, says in WRONG_COUNTRIES),
+        *((etcs.read_tolerances, text, says) for text, says in WRONG_TOLERANCES),
     ],
 )
-def test_national_values_that_are_wrong_are_refused(line: str, says: str, tmp_path: Path) -> None:
-    path = tmp_path / "country.toml"
-    path.write_text(line)
-    with pytest.raises(FileError, match=says):
-        etcs.read_national(path)
+def test_a_file_that_is_wrong_is_refused(read: Any, wrong: Any, says: str, tmp_path: Path) -> None:
+    path = tmp_path / "wrong.file"
+    if not isinstance(wrong, str):
+        document, place, value = wrong
+        wrong = json.dumps(changed(document(train_of_all()), place, value))
+    path.write_text(wrong)
+    with pytest.raises(FileError if read is not etcs.read_tolerances else BadInputError, match=says):
+        read(path)
