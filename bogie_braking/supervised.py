@@ -115,20 +115,19 @@ def own_stops(consist: Consist, speeds: np.ndarray, places: np.ndarray, line: Li
 
     Takes speeds, places [m/s].
     """
-    return [_own_stop(consist, *start, line) for start in zip(speeds.tolist(), places.tolist(), strict=True)]
-
-
-def _own_stop(consist: Consist, speed: float, place: float, line: Line | None) -> OwnStop:
-    train = Train(consist, speed=speed, distance=place, line=line, settings=select_brake_model(consist))
-    start = float(train.distance[0])
-    train.drive("emergency")
-    rows = [(place, speed)]
-    for _ in range(int(LONGEST / DRAWN)):
-        train.advance(DRAWN)
-        rows.append((place + float(train.distance[0]) - start, float(train.speed[0])))
-        if float(np.abs(train.speed).max()) < RESTS:
-            return OwnStop(*np.array(rows).T)
-    return OwnStop(*np.array([*rows, (np.inf, rows[-1][1])]).T)
+    settings, stops = select_brake_model(consist), []
+    for speed, place in zip(speeds.tolist(), places.tolist(), strict=True):
+        train = Train(consist, speed=speed, distance=place, line=line, settings=settings)
+        start, rows, rests = float(train.distance[0]), [(place, speed)], False
+        train.drive("emergency")
+        while not rests and len(rows) <= LONGEST / DRAWN:
+            train.advance(DRAWN)
+            rows.append((place + float(train.distance[0]) - start, float(train.speed[0])))
+            rests = float(np.abs(train.speed).max()) < RESTS
+        if not rests:
+            rows.append((np.inf, rows[-1][1]))
+        stops.append(OwnStop(*np.array(rows).T))
+    return stops
 
 
 def brake_units(consist: Consist, speed: float, failure: float, spread: float) -> list[BrakeUnits]:

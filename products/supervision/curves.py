@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -131,17 +131,15 @@ def supervise(
             start = (still - at_target * (T_bs2 + fixed.T_driver))[..., 0]
         # On boundaries of their own: the walk finds all three by one number of a step.
         every = (train.A_brake_normal_service, train.Kn_plus, train.Kn_minus)
-        brake, up, down = (Steps.constant(0.0).with_others(_nth(n), *every) for n in range(len(every)))
+        brake, up, down = (
+            Steps.constant(0.0).with_others(lambda zero, *of, n=n: of[n] + zero, *every) for n in range(3)
+        )
         GUI = braking_arcs(start, target, brake, slopes, Eased(up, down, permille)).place_at(speeds)
         P = np.minimum(P, GUI)
     share = 0.0 if train.service_feedback and national.feedback else 0.8  # 3.13.9.3.6
     T_indication = np.maximum(share * T_bs, fixed.T_indication_least) + fixed.T_indication_more
     EBD = emergency.place_at(speeds)
     return Curves(speeds, EBD, EBI, SBI2, SBI - speeds * fixed.T_warning, P, P - speeds * T_indication, SBD, SBI1, GUI)
-
-
-def _nth(number: int) -> Callable[..., np.ndarray]:
-    return lambda zero, *values: values[number] + zero
 
 
 def predicted_error(V_ura: np.ndarray | float | None, speed: np.ndarray | float) -> np.ndarray:
