@@ -30,8 +30,10 @@ def fmu_parameters(
     _check(train, national, fixed)
     train.check_level(national.M_NVEBCL)
     found = _numbers(train, national) | {"baseline": float(_BASELINES[fixed.T_indication_more])}
-    for name, one in _steps(train, national).items():
-        found |= _filled(name, one)
+    dry, wet = train.factors(national)
+    steps = {"A_brake_emergency": train.A_brake_emergency, "A_brake_service": train.A_brake_service}
+    for name, of_speed in (steps | {"Kdry_rst": dry, "Kwet_rst": wet}).items():
+        found |= _filled(name, of_speed)
     return found if version == 3 else _elements(found)
 
 
@@ -51,17 +53,6 @@ def _numbers(train: SupervisedTrain, national: NationalValues) -> dict[str, floa
         "Q_NVINHSMICPERM": float(national.exact_speed),
         "A_NVMAXREDADH": national.reduced_adhesion[train.adhesion_number],
     }
-
-
-def _steps(train: SupervisedTrain, national: NationalValues) -> dict[str, Steps]:
-    """Return the step functions by name; the brake of a percentage has factors of speed and of length."""
-    brakes = {"A_brake_emergency": train.A_brake_emergency, "A_brake_service": train.A_brake_service}
-    if train.position is None:
-        return brakes | {"Kdry_rst": train.Kdry_rst, "Kwet_rst": train.Kwet_rst}
-    by_length = float(national.Kr_int.at(_one("length", train.length))[0])
-    by_speed = train.speed_factor(national)
-    factor = Steps(by_speed.boundaries, by_speed.values * by_length)
-    return brakes | {"Kdry_rst": factor, "Kwet_rst": Steps.constant(1.0)}
 
 
 def _check(train: SupervisedTrain, national: NationalValues, fixed: FixedValues) -> None:

@@ -202,18 +202,21 @@ class SupervisedTrain:
         """
         check_national(national)
         self.check_level(national.M_NVEBCL)
-        if self.position is None:
-            share = national.M_NVAVADH
-            wet = self.Kwet_rst.with_others(lambda wet: wet + share * (1.0 - wet))
-            safe = self.A_brake_emergency.with_others(lambda *factors: np.prod(factors, axis=0), self.Kdry_rst, wet)
-        else:
-            by_length = national.Kr_int.at(np.asarray(self.length, dtype=float)[..., None])
-            by_speed = self.speed_factor(national)
-            safe = self.A_brake_emergency.with_others(lambda brake, factor: brake * factor * by_length, by_speed)
+        dry, wet = self.factors(national)
+        counted = wet.with_others(lambda wet: wet + national.M_NVAVADH * (1.0 - wet))
+        safe = self.A_brake_emergency.with_others(lambda *factors: np.prod(factors, axis=0), dry, counted)
         if not switch("slippery", slippery):
             return safe
         most = national.reduced_adhesion[self.adhesion_number]
         return safe.with_others(lambda brake: np.minimum(brake, most))
+
+    def factors(self, national: NationalValues) -> tuple[Steps, Steps]:
+        """Return the factors of the emergency brake on dry and on wet rails; those of percentages are the country's."""
+        if self.position is None:
+            return self.Kdry_rst, self.Kwet_rst
+        by_length = national.Kr_int.at(np.asarray(self.length, dtype=float)[..., None])
+        by_speed = self.speed_factor(national)
+        return Steps(by_speed.boundaries, by_speed.values * by_length), ONE
 
     def speed_factor(self, national: NationalValues) -> Steps:
         """Return Kv_int, for passenger trains between both sets by the largest deceleration, 3.13.6.2.1.7."""
