@@ -104,31 +104,6 @@ def test_guidance_eases_uphill_and_downhill_by_its_own_factors() -> None:
         assert found.P <= found.GUI
 
 
-def test_guidance_takes_one_factor_for_both_ways_and_a_factor_by_speed() -> None:
-    """To rest from 30 m/s on 10 permille up: Kn changes at 20 m/s."""
-    slope = Gradients(np.zeros(1), np.array([10.0]))
-    by_speed = Steps([20.0], [0.002, 0.004])
-    train = replace(PLAIN, A_brake_normal_service=Steps.constant(0.5), Kn_plus=by_speed, Kn_minus=by_speed)
-    found = supervise(train, 0.0, 30.0, gradients=slope, national=NationalValues(guidance=True))
-    slow, fast = (0.5 + 98.1 / 1150.0 - 10.0 * factor for factor in (0.002, 0.004))
-    assert pytest.approx(-(20.0**2) / (2.0 * slow) - (30.0**2 - 20.0**2) / (2.0 * fast)) == found.GUI
-
-
-def test_traction_ends_before_a_moving_target_by_the_longer_build_up_of_the_service_brake() -> None:
-    """T_traction = T_cut_off - 2 s - 1.2 T_bs, A.3.8; from 30 m/s the train accelerates by 0.3 m/s2 to EBD."""
-    given = {"T_traction_cut_off": 14.0, "traction_command": True, "service_command": True}
-    train = SupervisedTrain.of_percentage(120.0, "passenger P", 300.0, **given)
-    T_bs, T_be = 1.2 * (3.0 + 1.5 * 3.0 + 0.1 * 9.0), 1.2 * (2.3 + 0.17 * 16.0) * 1.1
-    traction = 14.0 - 2.0 - T_bs
-    assert 0.0 < traction < T_be
-    found = supervise(train, 0.0, 30.0, kind="LOA", target_speed=10.0, A_est=0.3, V_ura=0.0)
-    after, builds = 30.0 + 0.3 * traction, T_be - traction
-    bec = after + 0.3 * builds
-    way = (30.0 + 0.15 * traction) * traction + (after + 0.15 * builds) * builds
-    [ebd] = supervise(train, 0.0, bec, kind="LOA", target_speed=10.0, V_ura=0.0).EBD
-    assert pytest.approx(ebd - way) == found.EBI
-
-
 def test_factors_of_dry_and_wet_rails_multiply_and_the_country_may_waive_the_loss_on_wet_ones() -> None:
     train = replace(PLAIN, Kdry_rst=Steps(np.array([20.0]), np.array([0.9, 0.8])), Kwet_rst=Steps.constant(0.7))
     for share, wet in ((0.0, 0.7), (0.5, 0.85), (1.0, 1.0)):

@@ -123,12 +123,6 @@ def test_each_of_these_faults_shows(monkeypatch: pytest.MonkeyPatch) -> None:
     assert worst(case, given) > TOLERATED
 
 
-def test_build_up_is_longer_for_a_target_that_moves() -> None:
-    train = SupervisedTrain.of_percentage(100.0, "freight G", 700.0)
-    at_rest, moving = (train.build_up_times(NationalValues(Kt_int=1.0), speed) for speed in (0.0, 10.0))
-    assert moving[0] / at_rest[0] == moving[1] / at_rest[1] == pytest.approx(1.16)
-
-
 @there
 def test_decelerations_are_those_of_the_conversion_table() -> None:
     rows = rows_of("etcs_cases_conversion_table.csv")
