@@ -111,21 +111,20 @@ class NationalValues:
 
     def __post_init__(self) -> None:
         set_kinds(self)
-        check_boundaries("Kv_int", self.Kv_int)
-        names = ("M_NVAVADH", "A_NVP12", "A_NVP23", "Kt_int", "reduced_adhesion")
-        known = {name: getattr(self, name) for name in names}
         if numbers("reduced_adhesion", self.reduced_adhesion).shape != (3,):
             raise BadInputError(
                 f"reduced_adhesion must be three numbers, A_NVMAXREDADH1 to 3; got {shown(self.reduced_adhesion)}."
             )
-        known |= {"Kv_int": self.Kv_int.values, "Kr_int": self.Kr_int.values}
-        if self.Kv_int_b is not None:
-            check_boundaries("Kv_int_b", self.Kv_int_b)
-            known["Kv_int_b"] = self.Kv_int_b.values
-        for name, value in known.items():
-            within(name, value, 0.0, RANGES[name])
-        for name in ("M_NVAVADH", "A_NVP12", "A_NVP23", "Kt_int"):
-            object.__setattr__(self, name, finite(name, known[name]))
+        for name, most in RANGES.items():
+            value = getattr(self, name)
+            if isinstance(value, Steps):
+                within(name, value.values, 0.0, most)
+                if name != "Kr_int":  # by length
+                    check_boundaries(name, value)
+            elif name != "Kv_int_b":
+                within(name, value, 0.0, most)
+                if name != "reduced_adhesion":
+                    object.__setattr__(self, name, finite(name, value))
         checked_level("M_NVEBCL", self.M_NVEBCL)
         if self.A_NVP12 > self.A_NVP23:
             raise BadInputError(f"A_NVP12 must be at most A_NVP23, {self.A_NVP23:g} m/s2; got {self.A_NVP12:g} m/s2.")

@@ -148,7 +148,7 @@ def test_every_entry_is_read_in_its_unit(tmp_path: Path) -> None:
     assert tolerances_in(tmp_path, "[tolerances]\nfriction = 0\ndelay = '0.2 s'\n") == etcs.Tolerances(delay=0.2)
 
 
-#: Files that are wrong, by what reads them: the place and value in a document, or the text; and what is said.
+#: Wrong files of each reader: place and value in a document, or the text, and the message.
 WRONG_IN_TRAINS = [
     (["T_brake_emergency", "unit"], "m", "must have a unit that converts to s; got m"),
     (["T_brake_emergency", "value"], "2.4", "T_brake_emergency must be a number; got '2.4'. Remove the quotes"),

@@ -1,4 +1,4 @@
-"""What curves, factors and packets refuse: arguments of another kind, and numbers that no train has."""
+"""Curves, factors and packets refuse arguments of another kind, and numbers that no train has."""
 
 from __future__ import annotations
 
