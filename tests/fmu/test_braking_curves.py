@@ -100,11 +100,10 @@ def test_limits_are_those_of_the_curves_in_numpy(
                 "kind": ("EOA", "LOA", "MRSP")[inputs["target_kind"] - 1],
                 "target_speed": inputs["V_target"],
                 "gradients": line or Gradients(np.zeros(1), np.array([inputs.get("gradient", 0.0)]), "1"),
-                **{"beyond": inputs["beyond"], "A_est": inputs["A_est"], "national": national, "fixed": fixed},
-                **{
-                    "slippery": inputs["reduced_adhesion"] == 1,
-                },
-            }
+                "national": national,
+                "fixed": fixed,
+                "slippery": inputs["reduced_adhesion"] == 1,
+            } | {name: inputs[name] for name in ("beyond", "A_est")}
             found = supervise(train, place, inputs["V_est"], **given)
             distances = [min(place - getattr(found, name)[0], 1e9) for name in PLACES]
             assert curves.get([f"distance_{name}" for name in PLACES]) == pytest.approx(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,47 +17,29 @@ def trains(rng: np.random.Generator, count: int, **others: object) -> Supervised
     """Return trains with five steps of deceleration each."""
     boundaries = np.sort(rng.uniform(2.0, 70.0, (count, 4)), axis=-1)
     brake, service = rng.uniform(0.5, 1.4, (count, 5)), rng.uniform(0.4, 1.2, (count, 5))
-    return SupervisedTrain(
-        rng.uniform(20.0, 700.0, count),
-        Steps(boundaries, brake),
-        Steps(boundaries, service),
-        rng.uniform(0.5, 8.0, count),
-        rng.uniform(0.5, 8.0, count),
-        T_traction_cut_off=rng.uniform(0.0, 6.0, count),
-        **others,  # type: ignore[arg-type]
-    )
+    length, *times = (rng.uniform(least, most, count) for least, most in ((20, 700), (0.5, 8), (0.5, 8), (0, 6)))
+    return _trains(length, Steps(boundaries, brake), Steps(boundaries, service), *times, **others)
 
 
 def extreme_trains(rng: np.random.Generator, count: int, **others: object) -> SupervisedTrain:
     """Return trains whose numbers are between a tenth and ten times a usual one."""
-
-    def near(usual: float, *shape: int) -> np.ndarray:
-        return usual * 10.0 ** rng.uniform(-1.0, 1.0, (count, *shape))
-
     boundaries = np.sort(rng.uniform(2.0, 70.0, (count, 4)), axis=-1)
-    return SupervisedTrain(
-        near(300.0),
-        Steps(boundaries, near(0.99, 5)),
-        Steps(boundaries, near(0.7, 5)),
-        near(3.0),
-        near(3.0),
-        T_traction_cut_off=near(2.0),
-        **others,  # type: ignore[arg-type]
-    )
+    usual = ((300.0, count), (0.99, (count, 5)), (0.7, (count, 5)), (3.0, count), (3.0, count), (2.0, count))
+    length, brake, service, *times = (value * 10.0 ** rng.uniform(-1.0, 1.0, shape) for value, shape in usual)
+    return _trains(length, Steps(boundaries, brake), Steps(boundaries, service), *times, **others)
 
 
 def one_of(trains: SupervisedTrain, n: int, **others: object) -> SupervisedTrain:
     """Return one of the trains."""
     steps = (Steps(one.boundaries[n], one.values[n]) for one in (trains.A_brake_emergency, trains.A_brake_service))
-    times = (trains.T_brake_emergency, trains.T_brake_service)
-    cut_off = np.asarray(trains.T_traction_cut_off)[n]
-    return SupervisedTrain(
-        float(np.asarray(trains.length)[n]),
-        *steps,
-        *(float(np.asarray(one)[n]) for one in times),
-        T_traction_cut_off=float(cut_off),
-        **others,  # type: ignore[arg-type]
-    )
+    numbers = (trains.length, trains.T_brake_emergency, trains.T_brake_service, trains.T_traction_cut_off)
+    length, *times = (float(np.asarray(number)[n]) for number in numbers)
+    return _trains(length, *steps, *times, **others)
+
+
+def _trains(*data: Any, **others: Any) -> SupervisedTrain:
+    """Return trains of length, both brakes, both build-up times, and the time of the cut-off."""
+    return SupervisedTrain(*data[:5], T_traction_cut_off=data[5], **others)
 
 
 @dataclass(frozen=True)
