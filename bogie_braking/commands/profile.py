@@ -5,19 +5,19 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from bogie_braking.common_options import add_speech, add_track, describe
 from bogie_braking.exit_status import HOLDS
 from bogie_braking.profiles.pair_picture import draw_pair
 from bogie_braking.profiles.pair_running import COMPARED, FILE_AMPLITUDES, FILE_SHIFTS, WORDS, Running, running_of
-from bogie_braking.profiles.profile_files import profiles, sides_of, within
+from bogie_braking.profiles.profile_files import sides_from_files
 from bogie_braking.profiles.smoothing_picture import draw_smoothing
+from bogie_braking.reporting.plots import png_of
+from bogie_braking.reporting.scenario import Options
 from rbd_model.contact.geometry import Side, Sides, contact_at
 from rbd_model.contact.measured_pair import fault_at, gauge_of
 from rbd_model.contact.pair_file import write_pair
@@ -59,13 +59,14 @@ def run(chosen: argparse.Namespace) -> int:
     given = [one for one in (chosen.wheel, chosen.rail, chosen.right_wheel, chosen.right_rail) if one is not None]
     check_out(chosen.out, *given, *(Path(str(one).rsplit("#", 1)[0]) for one in given), picture=True)
     check_folder(chosen.out.parent)
-    sides = sides_given(chosen)
+    sides = sides_from_files(options_of(chosen))
     found = running_of(sides, FILE_SHIFTS, FILE_AMPLITUDES)
     patches = patches_by_side(sides)
     picture = chosen.out.with_suffix(".png")
     smoothing = picture.with_stem(f"{picture.stem}-smoothing")
-    save_picture(draw_pair(found, patches, message(found, patches)), picture)
-    save_picture(draw_smoothing(profiles_of(sides)), smoothing)
+    make_folder_of(picture)
+    write_whole(picture, png_of(draw_pair(found, patches, message(found, patches))))
+    write_whole(smoothing, png_of(draw_smoothing(profiles_of(sides))))
     about = findings(found, patches)
     if chosen.json:
         files = {"picture": picture, "picture of smoothing": smoothing, "table": chosen.out}
@@ -94,23 +95,11 @@ def write_table(sides: Sides, path: Path) -> None:
         ) from error
 
 
-def sides_given(chosen: argparse.Namespace) -> Sides:
-    """Return the wheelset on its track that the options describe."""
-    lean = 0.0 if chosen.inclination is None else 1 / within("--inclination", chosen.inclination, "", 5.0, 1000.0)
-    wheels = profiles(
-        "--wheel",
-        [chosen.wheel, chosen.right_wheel or chosen.wheel],
-        tape_circles=chosen.tape_circle or [None],
-        drop_outliers=bool(chosen.drop_outliers),
-    )
-    rails = profiles(
-        "--rail",
-        [chosen.rail, chosen.right_rail or chosen.rail],
-        lean,
-        chosen.gauge_side or [None],
-        drop_outliers=bool(chosen.drop_outliers),
-    )
-    return sides_of(wheels, rails, chosen.diameter or [], chosen.gauge, chosen.flange_back)
+def options_of(chosen: argparse.Namespace) -> Options:
+    """Return the options as those of scenarios, with the files of both sides."""
+    wheels, rails = [chosen.wheel, chosen.right_wheel or chosen.wheel], [chosen.rail, chosen.right_rail or chosen.rail]
+    names = ("diameter", "gauge", "flange_back", "inclination", "gauge_side", "tape_circle", "drop_outliers")
+    return Options(wheel=wheels, rail=rails, **{name: getattr(chosen, name) for name in names})
 
 
 Limits = dict[str, list[tuple[float, float]]]
@@ -143,17 +132,6 @@ def limits_of(side: Side) -> list[tuple[float, float]]:
 def profiles_of(sides: Sides) -> list[Profile]:
     """Return the different profiles of a pair, wheels first."""
     return list(dict.fromkeys([one.wheel for one in sides.both] + [one.rail for one in sides.both]))
-
-
-def save_picture(figure: Figure, path: Path) -> None:
-    """Save a figure and close it."""
-    from matplotlib import pyplot as plt
-
-    data = BytesIO()
-    figure.savefig(data, format="png", dpi=110)
-    plt.close(figure)
-    make_folder_of(path)
-    write_whole(path, data.getvalue())
 
 
 def message(found: Running, patches: Limits) -> str:

@@ -1,5 +1,6 @@
 """One style for all figures; the title of each is its one message of a few words."""
 
+import io
 import math
 import re
 import textwrap
@@ -99,6 +100,14 @@ def message_of(figure: Figure) -> str:
     if len(words) > MOST_WORDS:
         raise ValueError(f"A message must have at most {MOST_WORDS} words; got {len(words)}: {' '.join(words)}")
     return " ".join(words)
+
+
+def png_of(figure: Figure, dpi: int = 110) -> bytes:
+    """Return a figure as a PNG file, and close it."""
+    memory = io.BytesIO()
+    figure.savefig(memory, format="png", dpi=dpi)
+    plt.close(figure)
+    return memory.getvalue()
 
 
 def widen(axis: Axes, least: float) -> None:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import base64
 import html
-import io
 import math
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
-from bogie_braking.reporting.plots import plt
+from bogie_braking.reporting.plots import png_of
 from bogie_braking.reporting.text_table import text_table
 from bogie_braking.vehicle_files.check import (
     KILOMETRES_PER_HOUR,
@@ -134,13 +133,10 @@ def wrapped(text: str) -> str:
 def write_results(check: Check, folder: Path) -> list[Path]:
     """Write the picture and the page of a check into a folder, and return their paths. Raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
-    figure, memory = picture(check), io.BytesIO()
-    figure.savefig(memory, format="png", dpi=100)
-    plt.close(figure)
-    png, page = folder / "vehicle.png", folder / "vehicle.html"
-    write_whole(png, memory.getvalue())
-    write_page(check, page, memory.getvalue())
-    return [png, page]
+    image, page, png = folder / "vehicle.png", folder / "vehicle.html", png_of(picture(check), 100)
+    write_whole(image, png)
+    write_page(check, page, png)
+    return [image, page]
 
 
 def write_page(check: Check, path: Path, png: bytes) -> None:

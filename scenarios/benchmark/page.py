@@ -11,9 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from matplotlib.figure import Figure
-
-from bogie_braking.reporting.plots import plt
+from bogie_braking.reporting.plots import png_of
 from bogie_braking.web.frame import filled
 from readers.storage import write_whole, writing
 from scenarios.benchmark.band import Band
@@ -74,7 +72,7 @@ def write_results(results: Results, folder: Path) -> list[Path]:
     """Write page, figure, table and document into a folder and return their paths. Raises StorageError."""
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    png = _png(figure_of_errors(results.scored, results.names))
+    png = png_of(figure_of_errors(results.scored, results.names))
     whole = {
         PAGE: page(results, png).encode(),
         PICTURE: png,
@@ -86,17 +84,12 @@ def write_results(results: Results, folder: Path) -> list[Path]:
     return [folder / name for name in whole]
 
 
-def _png(figure: Figure) -> bytes:
-    memory = io.BytesIO()
-    figure.savefig(memory, format="png", dpi=110)
-    plt.close(figure)
-    return memory.getvalue()
-
-
 def page(results: Results, png: bytes) -> str:
     """Return the text of the page."""
     names = results.names
-    pictures = {name: _text(_png(figure)) for name, figure in figures_over_two_inputs(results.scored, names[0]).items()}
+    pictures = {
+        name: _text(png_of(figure)) for name, figure in figures_over_two_inputs(results.scored, names[0]).items()
+    }
     return filled(
         "benchmark.html.jinja",
         title="Benchmark of braking",
@@ -106,7 +99,7 @@ def page(results: Results, png: bytes) -> str:
         costs=rows_of_cost(results.scored, names),
         range_heads=RANGES,
         ranges=rows_of_bands(results.ranges),
-        range_picture=_text(_png(figure_of_bands(results.ranges))) if results.ranges else "",
+        range_picture=_text(png_of(figure_of_bands(results.ranges))) if results.ranges else "",
         programs=results.programs,
         scored=results.scored,
         points={one.case.name: rows_of_points(one) for one in results.scored},
