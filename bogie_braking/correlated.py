@@ -28,16 +28,7 @@ SHARES, STEPS = (0.5, 0.95, 0.9999), (2.0, 10.0, 50.0, 250.0)
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of an output.
-
-    Attributes
-    ----------
-    variance : float
-    share : float
-        Of the variance that is correlated; 0: the errors are independent.
-    time : float
-        Correlation time [s].
-    """
+    """Errors of an output: variance, the correlated share of it (0: independent errors), correlation time [s]."""
 
     variance: float
     share: float
@@ -52,10 +43,7 @@ class Errors:
 
 
 def errors_of(moments: np.ndarray, residuals: np.ndarray, slopes: np.ndarray) -> Errors:
-    """Return the errors of an output by the residuals of its fit.
-
-    Takes moments [s] (rows,), residuals (rows,), slopes (rows, parameters).
-    """
+    """Return the errors of an output at `moments` [s] by the residuals and slopes of its fit."""
     basis = _basis(slopes)
     free = moments.size - basis.shape[1]
     rest = residuals - basis @ (basis.T @ residuals)

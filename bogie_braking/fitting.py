@@ -208,10 +208,7 @@ def check_begin(name: str, value: float, least: float, most: float, unit: str = 
 
 
 def at_limits(names: Iterable[str], values: np.ndarray, limits: np.ndarray, first: np.ndarray) -> list[str]:
-    """Return a warning for each fitted value at one of its limits.
-
-    Takes values, limits, first (parameters,).
-    """
+    """Return a warning for each fitted value at one of its limits."""
     return [
         f"{name} ended at its limit of {limit:g}; check the units of the data and the inputs that the log lacks."
         for name, value, both, start in zip(names, values.tolist(), limits.tolist(), first.tolist(), strict=True)

@@ -24,18 +24,9 @@ SAME_AS = {"cylinder_pressure": "pressure"}
 
 @dataclass(frozen=True)
 class FrictionLog:
-    """A log.
+    """A log: its name in messages, time [s], speed [m/s] and place of the vehicle [m], shape (rows,).
 
-    Attributes
-    ----------
-    name : str
-        Name of the log in messages.
-    time, speed, distance : array, shape (rows,)
-        Time [s], speed of the vehicle [m/s], and its place on the line [m].
-    wheel_speed : array, shape (rows, wheelsets)
-        Circumferential speeds [m/s]; NaN: not measured.
-    torque : array, shape (rows, wheelsets)
-        Brake torques [N.m]; NaN: not measured.
+    Circumferential speeds [m/s] and brake torques [N.m] have the shape (rows, wheelsets); NaN: not measured.
     """
 
     name: str
@@ -49,10 +40,7 @@ class FrictionLog:
 def friction_logs(
     measured: object, radii: Sequence[float], torque_per_pressure: float | None, columns: ColumnMap | None
 ) -> list[FrictionLog]:
-    """Return logs as arrays.
-
-    Takes radii [m], torque_per_pressure [N.m/Pa].
-    """
+    """Return logs as arrays. Takes radii [m], torque_per_pressure [N.m/Pa]."""
     given = list(measured) if isinstance(measured, Sequence) and not isinstance(measured, str) else [measured]
     if not given:
         raise ValueError("The fit of a field of friction must have at least one log; got none.")

@@ -155,34 +155,19 @@ def load_transfer(vehicle: str | Vehicle, wheelsets: int, values: tuple[tuple[st
 class Stretch:
     """Rows of a log over which the speed is integrated.
 
-    Attributes
-    ----------
-    log : int
-        Number of the log.
-    time, speed : array, shape (rows,)
-        Time [s] and logged speed [m/s].
-    sliding : array, shape (rows, wheelsets)
-        Sliding speeds [m/s].
-    slides : array of bool, shape (steps, wheelsets)
-        Whether a wheelset slides in a step.
-    known, by_torque : array, shape (steps,)
-        Change of speed in a step [m/s]: by gravity, resistance and the inertia of rolling wheelsets, and by their
-        brake torques.
-    rolling : array, shape (rows, wheelsets)
-        Braking forces of rolling wheelsets [N].
-    hats : array, shape (rows, wheelsets, knots)
-        Weight of each knot at each wheelset.
+    known, by_torque: change of speed in a step [m/s], by gravity, resistance and the inertia of rolling wheelsets, and
+    by their brake torques. rolling: braking forces of rolling wheelsets [N].
     """
 
     log: int
-    time: Numbers
-    speed: Numbers
-    sliding: Numbers
-    slides: NDArray[np.bool_]
-    known: Numbers
-    by_torque: Numbers
-    rolling: Numbers
-    hats: Numbers
+    time: Numbers  # [s]
+    speed: Numbers  # logged [m/s], shape (rows,)
+    sliding: Numbers  # sliding speeds [m/s], shape (rows, wheelsets)
+    slides: NDArray[np.bool_]  # whether a wheelset slides in a step, shape (steps, wheelsets)
+    known: Numbers  # shape (steps,)
+    by_torque: Numbers  # shape (steps,)
+    rolling: Numbers  # shape (rows, wheelsets)
+    hats: Numbers  # weight of each knot at each wheelset, shape (rows, wheelsets, knots)
 
     @cached_property
     def ever(self) -> NDArray[np.bool_]:

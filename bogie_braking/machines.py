@@ -152,10 +152,7 @@ def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Mach
         return machine_at(what, place_of(what, variables, values, on_line))
     with ONE_WRITES:
         if isinstance(what, Vehicle):
-            level, depth = _level_and_depth(values)
-            places = places_of(level, depth, on_line or LINE.variable.name in values)
-            _check_places(what, places, level, depth)
-            return _of_a_vehicle(_key(what), places)
+            return _of_a_vehicle(_key(what), _places(what, values, on_line or LINE.variable.name in values))
         return _of_a_model(what) if isinstance(what, Model) else _compiled(model_from(what))
 
 
@@ -168,8 +165,7 @@ def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -
             selected = fmu.selectors if fmu.vehicle else model_of_fmu(what).selectors
             return _batch_of_the_list(what, tuple((name, values[name]) for name in selected if name in values), on_line)
         if isinstance(what, Vehicle):
-            level, depth = _level_and_depth(values)
-            return _batch_of_a_vehicle(_key(what), level, depth, on_line)
+            return _batch_of_a_vehicle(_key(what), _places(what, values, on_line))
         model = model_from(what)
         return _batch_of_a_model(alone(model, values, on_line))
 
@@ -182,38 +178,33 @@ def _batch_of_the_list(name: str, selected: tuple[tuple[str, float], ...], on_li
     """
     values = dict(selected)
     if name in VEHICLES and FMUS[name].vehicle:
-        level, depth = _level_and_depth(values)
-        _check_places(VEHICLES[name](), places_of(level, depth, on_line), level, depth)
+        _places(VEHICLES[name](), values, on_line)
     place = place_of(name, variables_of(name), values, on_line)
     model = model_of_fmu(name) if place is None else model_at(name, variables_of(name), place)
     return _batch_of_a_model(alone(model, values, on_line))
 
 
 @lru_cache
-def _batch_of_a_vehicle(key: Key, level: int, depth: int, on_line: bool) -> BatchLibrary:
-    return _batch_of_a_model(_one_level(pickle.loads(key[0]), level, depth, on_line))
+def _batch_of_a_vehicle(key: Key, places: tuple[int, ...]) -> BatchLibrary:
+    return _batch_of_a_model(model_from(pickle.loads(key[0]), places))
 
 
 def _batch_of_a_model(model: Model) -> BatchLibrary:
     return BatchLibrary(model, model.systems[0])
 
 
-def _one_level(what: Vehicle, level: int, depth: int, on_line: bool) -> Model:
+def _places(what: Vehicle, values: Mapping[str, Any], on_line: bool) -> tuple[int, ...]:
+    """Return the systems of a vehicle that `values` select.
+
+    Raises ValueError if they do not exist, or if their contact does not suit the profiles.
+    """
+    level, depth = _chosen("level", values, LEVEL), _chosen("contact_model", values, int(DEFAULT_DEPTH))
     places = places_of(level, depth, on_line)
-    _check_places(what, places, level, depth)
-    return model_from(what, places)
-
-
-def _check_places(what: Vehicle, places: Sequence[int], level: int, depth: int) -> None:
-    """Raise ValueError if the system does not exist, or if its contact does not suit the profiles."""
     if not places:
         raise ValueError(f"contact_model must be {DEPTH_ON_LINE} on a line; got {depth}.")
     for pair in {one.equal_sides for one in what.wheelsets} if (level, depth) == (3, 1) else ():
         check_one_contact(pair)
-
-
-def _level_and_depth(values: Mapping[str, Any]) -> tuple[int, int]:
-    return _chosen("level", values, LEVEL), _chosen("contact_model", values, int(DEFAULT_DEPTH))
+    return places
 
 
 def model_from(what: Model | System | Vehicle, places: Sequence[int] = EVERY) -> Model:

@@ -41,16 +41,9 @@ class Options:
 
 @dataclass(frozen=True)
 class Data:
-    """Measured data.
+    """Measured data: times of the table (`clock`) and of the run [s], outputs, shape (rows, outputs), and inputs.
 
-    Attributes
-    ----------
-    clock, times : array, shape (rows,)
-        Times of the table and of the run [s].
-    wanted : array, shape (rows, outputs)
-        Measured outputs; NaN: none.
-    inputs : dict
-        Times and values of measured inputs.
+    A missing output is NaN. Inputs are times and values by name.
     """
 
     clock: np.ndarray
@@ -182,10 +175,7 @@ def rows_until(until: float | None, times: np.ndarray) -> int:
 
 
 def check_pressure(name: str, values: np.ndarray) -> None:
-    """Check that a column of pressures in Pa is not in bar or kPa.
-
-    Takes values [Pa] (rows,).
-    """
+    """Check that a column of pressures in Pa is not in bar or kPa."""
     most = float(np.nanmax(np.abs(values), initial=0.0))
     if is_almost_0(most, "Pa"):
         raise ValueError(

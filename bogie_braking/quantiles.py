@@ -16,8 +16,6 @@ BESIDE = (1.0 - CONFIDENCE) / 2.0
 def drawn_quantile(values: Numbers, share: float) -> tuple[float, float, float]:
     """Return the value that a share of all values exceeds, and its 95 % confidence interval.
 
-    Takes values (draws,).
-
     By order statistics, for any distribution: the number of larger values is binomial (Conover 1999, section 3.2).
     """
     falling, count = np.sort(values)[::-1], values.size
@@ -58,8 +56,6 @@ def interval_of_skewed(estimates: Numbers) -> tuple[float, float, float]:
 
     Estimates of small populations are skewed: with 20 particles `interval_of` contains the true value for 178 to 181 of
     200 seeds, this interval for 187 to 194.
-
-    Takes estimates (populations,).
 
     Cox's interval with Student's quantile: Olsson (2005), Journal of Statistics Education 13 (1).
     """

@@ -266,7 +266,7 @@ def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
 
 ROOT = Path(release.__file__).parent
 #: Packages whose presence is checked before the import (`evidence/peers/sundials.py: is_installed`,
-#: `products/study/cluster.py: client_of`, `bogie_braking/common_options.py: look_for_plotly`), or at the beginning
+#: `products/study/cluster.py: cluster`, `bogie_braking/common_options.py: look_for_plotly`), or at the beginning
 #: of the only file that imports them (`bogie_braking/gym.py`).
 LOOKED_FOR = {"sksundae", "distributed", "plotly", "gymnasium"}
 #: Other programs of the benchmark: `version` of each adapter checks its package, and a wheel has no adapters.

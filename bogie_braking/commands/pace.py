@@ -201,10 +201,7 @@ def paced(pace: Pace, drawn: Callable[[int], object]) -> Paced:
 def keep_pace(
     slave: FmuInstance, step: float, rows: Sequence[dict[str, float]], drawn: Callable[[int], object]
 ) -> Paced:
-    """Make one step at each tick of the clock.
-
-    Takes step [s].
-    """
+    """Make one step at each tick of the clock."""
     took, late = np.zeros(len(rows)), np.zeros(len(rows))
     clock, told, number = time.perf_counter, 0, 0
     begin = last = clock() + 10 * WATCHED

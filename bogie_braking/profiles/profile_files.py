@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from bogie_braking.pairs import profile
 from bogie_braking.reporting.scenario import BadInputError, Options
 from rbd_model.contact.geometry import Sides
-from rbd_model.contact.measured import read_profile
 from rbd_model.contact.measured_pair import pair_of
 from rbd_model.contact.profiles import Profile
 
@@ -82,10 +82,7 @@ def profiles(
     read = {}
     for path, side, tape_circle in dict.fromkeys(asked):
         zero = None if tape_circle is None else within("--tape-circle", tape_circle, " mm", -500.0, 500.0) / 1e3
-        try:
-            read[path, side, tape_circle] = read_profile(
-                path, kind, inclination, side, tape_circle=zero, drop_outliers=drop_outliers
-            )
-        except ValueError as error:
-            raise BadInputError(str(error)) from error
+        read[path, side, tape_circle] = profile(
+            path, kind, inclination=inclination, gauge_side=side, tape_circle=zero, drop_outliers=drop_outliers
+        )
     return read[asked[0]], read[asked[1]]

@@ -65,10 +65,7 @@ def charts(
     columns: int = 2,
     **options: Any,
 ) -> tuple[Figure, list[Any]]:
-    """Return a figure of charts in rows of some `columns`.
-
-    Takes size [inch] (2,).
-    """
+    """Return a figure of charts in rows of some `columns`."""
     figure, grid = plt.subplots(math.ceil(len(titles) / columns), columns, figsize=size, squeeze=False, **options)
     for axis, title in zip(grid.flat, titles, strict=True):
         axis.set(title=title, xlabel=titles[title] if isinstance(titles, Mapping) else x_label)
@@ -131,10 +128,7 @@ def legend_above(axis: Axes, columns: int = 2) -> None:
 
 
 def write_at(axis: Axes, place: tuple[float, float], text: str, colour: str, **options: Any) -> None:
-    """Write the name of a line in its colour at a place.
-
-    Takes place (2,).
-    """
+    """Write the name of a line in its colour at a place."""
     axis.annotate(text, place, **{"color": colour, "fontsize": "large", "va": "center"} | options)
 
 

@@ -195,10 +195,7 @@ def value_of(rows: Sequence[Row], quantity: str) -> float:
 def save(
     report: Report, name: str, out: Path, wall_seconds: float, further: Callable[[Report, Path], None] | None = None
 ) -> Path:
-    """Write results/NAME in one move: a run that fails leaves the folder unchanged.
-
-    Takes wall_seconds [s].
-    """
+    """Write results/NAME in one move: a run that fails leaves the folder unchanged."""
     out.mkdir(parents=True, exist_ok=True)
     partial = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=out))
     try:

@@ -153,13 +153,7 @@ def verdict(row: Mapping[str, Any], what: str) -> bool | None:
 
 
 def sweep(folder: Path, summary: Mapping[str, Any]) -> Sweep:
-    """Return a sweep's results.
-
-    Raises
-    ------
-    ValueError
-        If an entry is not as `write_table` writes it.
-    """
+    """Return a sweep's results. Raises ValueError if an entry is not as `write_table` writes it."""
     what = "summary.json"
     vary, units = mapping_in(summary, "vary", what), mapping_in(summary, "units", what)
     for name, given in vary.items():
