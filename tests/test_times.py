@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import bogie_braking as bb
-from bogie_braking.times_and_values import times_and_values
+from bogie_braking.histories import times_and_values
 from tests.fmu.sled import sled
 
 #: The sled's mass [kg], brake force [N] and start speed [m/s] in the generated data.

@@ -98,7 +98,7 @@ def _check(chosen: argparse.Namespace, line: Any) -> int:
 
 
 def _import(chosen: argparse.Namespace, line: Any) -> int:
-    from bogie_braking.reporting.line_check_picture import figure_of_points
+    from bogie_braking.reporting.line_picture import figure_of_points
     from rbd_model.track.line import NAMES
     from rbd_model.track.line_points import LineFromPoints
 
@@ -124,7 +124,7 @@ def _drawn(line: Any, speed: float, place: Path, friction: float | None = None) 
 
     friction: that of the rail, which the line's factors multiply [1].
     """
-    from bogie_braking.reporting.line_check_picture import figure_of_check
+    from bogie_braking.reporting.line_picture import figure_of_check
     from rbd_model.track.line_check import check_line
     from rbd_model.track.line_files import account_of
 

@@ -1,12 +1,17 @@
-"""A figure of a line: its plan, and curvature, cant and gradient over distance."""
+"""Figures of a line: plan, curvature, cant and gradient; what it demands at a speed; the smoothing of points."""
+
+from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, widen
-from rbd_model.track.line import Line
+from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, plt, titled, widen
+from rbd_model.track.line import FRICTIONS, Line
+from rbd_model.track.line_check import Adhesion, Check, deficiency_of
+from rbd_model.track.line_points import LineFromPoints
 
 #: Colours in curves to the left, on straight track, in curves to the right. A curve is steeper than a third of the
 #: largest curvature.
@@ -15,6 +20,8 @@ LEFT_CURVE, STRAIGHT, RIGHT_CURVE = LEADING, BOGIE, TRAILING
 MOST_MARKS, PITCH = 8, 5.0
 #: Least range of the axes of curvature [1/km], cant [mm], and gradient and height [per mille, m].
 LEAST = (0.01, 1.0, 0.1)
+#: Smallest curvature that is a curve in a title [1/m].
+CURVED = 1e-6
 
 
 def draw_line(axes: Sequence[Axes], line: Line) -> None:
@@ -89,3 +96,80 @@ def marks(line: Line) -> np.ndarray:
     size = 10.0 ** np.floor(np.log10(rough))
     pitch = next(size * factor for factor in (1.0, 2.0, 5.0, 10.0) if size * factor >= rough)
     return np.arange(np.ceil(first / pitch), np.floor(last / pitch) + 1) * pitch
+
+
+def figure_of_check(line: Line, check: Check, speed: float, friction: float | None = None) -> Figure:
+    """Return plan, curvature, cant, cant deficiency at a speed [m/s], gradient with height, and friction if known.
+
+    friction: that of the rail, which the line's factors multiply [1]; None: unknown.
+    """
+    known = check.adhesion is not None
+    ratios = (2.0, *(1.0,) * (4 + known))
+    figure, axes = plt.subplots(5 + known, 1, figsize=(9.0, 12.0 + 2.0 * known), height_ratios=ratios)
+    plan, curvature, cant, deficiency, gradient = axes[:5]
+    draw_line([plan, curvature, cant, gradient], line)
+    dense = with_places_between(line).rows
+    lacking = 1e3 * deficiency_of(dense["curvature"], dense["cant"], speed)
+    deficiency.plot(dense["distance"], lacking, color=LEADING)
+    deficiency.axhline(0.0, color=BOGIE, linewidth=0.6)
+    deficiency.set_title(f"cant deficiency at {3.6 * speed:.4g} km/h, outwards [mm]")
+    widen(deficiency, LEAST[1])
+    deficiency.set_xlim(dense["distance"][0], dense["distance"][-1])
+    if check.adhesion is not None:
+        draw_friction(axes[-1], line, check.adhesion, friction or 1.0)
+    axes[-1].set_xlabel("distance along the line [m]")
+    if abs(check.tightest.value) < CURVED:
+        if check.adhesion is not None and check.gradient.value == 0.0:
+            what = "factor on friction" if check.adhesion.below is None else "friction"
+            return titled(figure, f"The lowest {what} is {check.adhesion.lowest.value:.2g}")
+        steepest = 1e3 * abs(check.gradient.value)
+        return titled(figure, f"The line is straight, its gradient reaches {steepest:.3g} per mille")
+    reached = 1e3 * check.deficiency.value
+    return titled(figure, f"At {3.6 * speed:.4g} km/h the cant deficiency reaches {reached:.0f} mm")
+
+
+def draw_friction(axis: Axes, line: Line, adhesion: Adhesion, friction: float) -> None:
+    """Draw friction of both rails along a line, and where their mean is slippery."""
+    at = line.rows["distance"]
+    for name, colour in zip(FRICTIONS, (LEADING, TRAILING), strict=True):
+        values = friction * line.rows.get(name, np.ones_like(at))
+        style = "-" if name == FRICTIONS[0] else "--"
+        axis.plot(at, values, style, color=colour, label=f"{name.split('_')[0]} rail")
+    for number, (begin, end) in enumerate(adhesion.stretches):
+        axis.axvspan(begin, end, color="#fdd0a2", label=None if number else f"mean below {adhesion.below:g}")
+    axis.set_ylim(0.0, 1.1 * max(friction * line.rows.get(name, np.ones(1)).max() for name in FRICTIONS))
+    axis.set_xlim(at[0], at[-1])
+    axis.set_title("factor on friction" if adhesion.below is None else "friction")
+    legend_above(axis, 3)
+
+
+def figure_of_points(line: LineFromPoints) -> Figure:
+    """Return the curvature of a smoothed line with its bounds over that of triples of points, and the deviations."""
+    known = bool(np.all(np.isfinite(line.gradient_error)))
+    figure, axes = plt.subplots(2 + known, 1, figsize=(9.0, 5.5 + 2.5 * known), sharex=True)
+    curvature, aside = axes[0], axes[-1]
+    at, points = line.rows["distance"], line.points
+    ways = np.hypot(*np.diff(points, axis=0).T)
+    chords = np.interp(np.concatenate([[0.0], np.cumsum(ways)]) / ways.sum(), [0.0, 1.0], at[[0, -1]])
+    steps = np.diff(points, axis=0)
+    angle = np.arctan2(steps[:, 1], steps[:, 0])
+    raw = np.angle(np.exp(1j * np.diff(angle))) * 2.0 / (ways[1:] + ways[:-1])
+    smooth, error = 1e3 * line.rows["curvature"], 1e3 * line.curvature_error
+    curvature.plot(chords[1:-1], 1e3 * raw, ".", color="#aaaaaa", markersize=3, label="three points")
+    curvature.fill_between(at, smooth - error, smooth + error, color="#9ecae1", label="bounds")
+    curvature.plot(at, smooth, color=LEADING, label="smoothed")
+    low, high = float(np.min(smooth - error)), float(np.max(smooth + error))
+    curvature.set_ylim(low - 0.4 * (high - low), high + 0.4 * (high - low))
+    curvature.set_title("curvature, to the left [1/km]")
+    legend_above(curvature, 3)
+    if known:
+        slope, bound = 1e3 * line.rows["gradient"], 1e3 * line.gradient_error
+        axes[1].fill_between(at, slope - bound, slope + bound, color="#9ecae1")
+        axes[1].plot(at, slope, color=LEADING)
+        axes[1].set_title("gradient with its bounds [‰]")
+    aside.plot(chords, 1e3 * line.aside, ".", color=TRAILING, markersize=3)
+    aside.set_title("points beside the line, to the left [mm]")
+    aside.set_xlabel("distance along the line [m]")
+    return titled(
+        figure, f"Noise of {1e3 * line.noise:.2g} mm leaves the curvature uncertain by {error.max():.2g} 1/km"
+    )
