@@ -3,7 +3,7 @@
 import base64
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -38,15 +38,6 @@ APART = 30.0
 DISPLAY = {"responsive": True, "displaylogo": False}
 
 
-@dataclass(frozen=True)
-class Chart:
-    """Lines of one unit over the first column of a recording."""
-
-    title: str
-    lines: int
-    html: str
-
-
 def write_report(scenario: Scenario, report: Report, folder: Path) -> None:
     """Write report.html next to summary.json and the figures, from which it is made."""
     summary = read_document(folder / "summary.json")
@@ -74,26 +65,18 @@ def write_report(scenario: Scenario, report: Report, folder: Path) -> None:
     (folder / "report.html").write_text(text, encoding="utf-8")
 
 
-@dataclass(frozen=True)
-class Picture:
-    """A PNG file as base64, and its description."""
-
-    text: str
-    data: str
-
-
-def pictures(folder: Path, summary: Mapping[str, Any]) -> list[Picture]:
-    """Return the figures of a folder, figure.png first.
+def pictures(folder: Path, summary: Mapping[str, Any]) -> list[dict[str, str]]:
+    """Return text and data (PNG as base64) of the figures of a folder, figure.png first.
 
     A figure without a message in the summary is described by its name.
     """
     texts = summary.get("pictures", {})
     paths = sorted(folder.glob("*.png"), key=lambda path: (path.stem != "figure", path.stem))
     return [
-        Picture(
-            texts.get(path.name) or f"Picture of {summary['scenario']}: {path.stem}",
-            base64.b64encode(path.read_bytes()).decode(),
-        )
+        {
+            "text": texts.get(path.name) or f"Picture of {summary['scenario']}: {path.stem}",
+            "data": base64.b64encode(path.read_bytes()).decode(),
+        }
         for path in paths
     ]
 
@@ -127,11 +110,12 @@ def note(row: Mapping[str, Any]) -> str:
 # -- charts ----------------------------------------------------------------------------------------------------------
 
 
-def charts(report: Report) -> Iterator[Chart]:
-    """Yield the charts of each recording; columns of one unit and similar sizes share a chart."""
+def charts(report: Report) -> Iterator[dict[str, Any]]:
+    """Yield title, number of lines and HTML of charts; columns of one unit and similar sizes share a chart."""
     for title, series in {"": report.series, **report.other_series}.items():
         for names in together(series):
-            yield Chart(heading(title, names, series.units[names[0]]), len(names), chart(series, names))
+            head = heading(title, names, series.units[names[0]])
+            yield {"title": head, "lines": len(names), "html": chart(series, names)}
 
 
 def together(series: Recording) -> Iterator[list[str]]:
@@ -195,17 +179,7 @@ def wrapped(name: str) -> str:
 # -- parameters ------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter as shown on the page."""
-
-    name: str
-    value: Any
-    unit: str = ""
-    text: str = ""
-
-
-def parameters(values: Mapping[str, Any], within: str = "") -> Iterator[Parameter]:
+def parameters(values: Mapping[str, Any], within: str = "") -> Iterator[dict[str, Any]]:
     """Yield all parameters, with groups opened; units and meanings come from the parameter set of that name, if any."""
     sets = (VehicleParameters, TrackParameters, BrakeParameters, FlowParameters)
     known = {item.name: item.metadata for one in sets for item in fields(one)}
@@ -214,4 +188,4 @@ def parameters(values: Mapping[str, Any], within: str = "") -> Iterator[Paramete
             yield from parameters(value, f"{within}{name}, ")
         else:
             about = known.get(name, {"unit": "", "description": ""})
-            yield Parameter(f"{within}{name}", value, about["unit"], about["description"])
+            yield {"name": f"{within}{name}", "value": value, "unit": about["unit"], "text": about["description"]}

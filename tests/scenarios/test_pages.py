@@ -406,7 +406,7 @@ def test_pictures_have_the_sentence_of_the_summary_or_their_name(tmp_path: Path)
     for name in ("a", "figure", "map"):
         (tmp_path / f"{name}.png").write_bytes(b"")
     summary = {"scenario": "curve", "pictures": {"figure.png": "It derails.", "a.png": "It stops."}}
-    assert [one.text for one in pictures(tmp_path, summary)] == ["It derails.", "It stops.", "Picture of curve: map"]
+    assert [one["text"] for one in pictures(tmp_path, summary)] == ["It derails.", "It stops.", "Picture of curve: map"]
 
 
 def test_index_shows_what_does_not_hold_first_and_what_is_not_judged_last(tmp_path: Path) -> None:
