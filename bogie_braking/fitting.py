@@ -108,10 +108,11 @@ class Fit(FormerNames):
 class Problem:
     """Measured outputs of a table, and runs with other parameters, as shares of their values at the start.
 
-    parameters, first, limits: names, values at the start, and limits, shape (parameters, 2). names: of the outputs.
-    last: number of rows that are fitted. simulated: returns the outputs of the first rows, shape (rows, outputs), of
-    shares. far: limits over start values above which a fit has no bound. Raises ValueError if there are not more
-    measured values than parameters.
+    parameters: their names. first: values at the start. limits: shape (parameters, 2). names: those of the outputs.
+    last: number of rows that are fitted. simulated: returns the outputs of the first rows, shape (rows, outputs). far:
+    limits over start values above which a fit has no bound.
+
+    Raises ValueError if there are not more measured values than parameters.
     """
 
     table: Recording

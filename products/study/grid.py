@@ -1,7 +1,7 @@
 """From --vary to a grid of points: every combination of the given values, the first parameter varying slowest."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from itertools import product
 
@@ -30,8 +30,8 @@ def grid_of(texts: Sequence[str], parameters: Mapping[str, str], scenario: str) 
         if name in grid:
             raise BadInputError(f"{name} must be varied once; got --vary {text} as the second.")
         grid[name] = values_of(text, values)
-    if size(grid) > LARGEST_GRID:
-        raise BadInputError(f"The grid must have at most {LARGEST_GRID} points; got {size(grid)}.")
+    if (size := math.prod(map(len, grid.values()))) > LARGEST_GRID:
+        raise BadInputError(f"The grid must have at most {LARGEST_GRID} points; got {size}.")
     return grid
 
 
@@ -75,12 +75,6 @@ def evenly_spaced(first: float, last: float, count: int) -> list[float]:
     return [float(begin + (end - begin) * Fraction(i, max(1, count - 1))) for i in range(count)]
 
 
-def size(grid: Grid) -> int:
-    """Return the number of points."""
-    return math.prod(len(values) for values in grid.values())
-
-
-def points_of(grid: Grid) -> Iterator[dict[str, float]]:
-    """Yield all points by parameter name, in the order of the table."""
-    for values in product(*grid.values()):
-        yield dict(zip(grid, values, strict=True))
+def points_of(grid: Grid) -> list[dict[str, float]]:
+    """Return all points by parameter name, in the order of the table."""
+    return [dict(zip(grid, values, strict=True)) for values in product(*grid.values())]

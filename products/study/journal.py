@@ -1,4 +1,4 @@
-"""The folder of a sweep: one writer at a time, and a journal of its finished points."""
+"""The folder of a sweep: one writer at a time, and the event log of its finished points."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def kept_outcomes_of(
     """Run or resume a study in a folder."""
     head = {**study.head, "versions": versions() | {"sources": sources()}}
     with _room_in(folder), ExitStack() as held:
-        # Where no cluster answers, no folder is made.
+        # The cluster is reached first: if it does not answer, the folder must not appear.
         run_points = None if folder.exists() else held.enter_context(evaluator)
         held.enter_context(only_writer(folder))
         if restart:

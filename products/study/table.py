@@ -25,7 +25,7 @@ def write_table(
 ) -> list[str]:
     """Write the files and return their names; without pyarrow there is no Parquet. units: of the columns, by name.
 
-    Rows hold nothing but parameters and results: the same sweep gives the same bytes. Each file is there as a whole or
+    Rows have parameters and results only: the same sweep gives the same bytes. Each file is there as a whole or
     not at all, and summary.json, by which a report finds the table, last.
     """
     rows = [{**(outcome.results or {}), **point} for point, outcome in zip(points, outcomes, strict=True)]
@@ -40,7 +40,7 @@ def write_table(
 
 
 def remove_table(folder: Path) -> None:
-    """Delete a table of an earlier sweep, and partial files of a killed one, before another journal begins."""
+    """Delete a table of an earlier sweep, and partial files of a killed one, before another event log begins."""
     for name in reversed(FILES):
         (folder / name).unlink(missing_ok=True)
     remove_partial(folder)

@@ -86,7 +86,7 @@ def study_of(chosen: argparse.Namespace) -> Study:
     }
     units = {one: sweepable.parameters[one] for one in grid} | dict(sweepable.results)
     promised = list(sweepable.results)
-    return Study(name, units, promised, list(points_of(grid)), point_function(sweepable.run, promised), head)
+    return Study(name, units, promised, points_of(grid), point_function(sweepable.run, promised), head)
 
 
 def evaluator(chosen: argparse.Namespace) -> AbstractContextManager[Evaluator]:

@@ -1,4 +1,4 @@
-"""The journal of a sweep after killed writers or edited lines, and two writers of one folder."""
+"""The event log of a sweep after killed writers or edited lines, and two writers of one folder."""
 
 from __future__ import annotations
 
@@ -216,7 +216,7 @@ def test_journal_of_another_sweep_is_refused(
 
 
 def edited(line: bytes, **values: object) -> bytes:
-    """Return a line of a journal with other values."""
+    """Return a line of an event log with other values."""
     return json.dumps(json.loads(line) | values).encode()
 
 
