@@ -82,9 +82,6 @@ class Journal:
     def __enter__(self) -> Journal:
         self._file = self._path.open("ab")
         self._file.truncate(self._length)
-        if self._length == 0:
-            self._append(self._head)
-            sync_folder(self._path.parent)
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -95,9 +92,16 @@ class Journal:
 
         Raises SweepError if the file was moved or deleted.
         """
-        if not (self._path.exists() and os.path.samestat(os.fstat(self._file.fileno()), self._path.stat())):
+        here = os.fstat(self._file.fileno())
+        if not (self._path.exists() and os.path.samestat(here, self._path.stat())):
             raise SweepError(f"{self._path} must stay while the sweep runs; it was moved or deleted. Start it again.")
-        self._append(*(self._line(number, outcome) for number, outcome in outcomes.items()))
+        lines = [self._line(number, outcome) for number, outcome in outcomes.items()]
+        begins = here.st_size == 0
+        self._file.write(b"".join(json.dumps(line).encode() + b"\n" for line in [self._head] * begins + lines))
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        if begins:
+            sync_folder(self._path.parent)
         self.outcomes.update(outcomes)
 
     def _line(self, number: int, outcome: Outcome) -> dict[str, Any]:
@@ -105,11 +109,6 @@ class Journal:
         if outcome.failure is not None:
             return line | {"failure": outcome.failure}
         return line | {"results": outcome.results} | ({"message": outcome.message} if outcome.message else {})
-
-    def _append(self, *lines: Mapping[str, Any]) -> None:
-        self._file.write(b"".join(json.dumps(line).encode() + b"\n" for line in lines))
-        self._file.flush()
-        os.fsync(self._file.fileno())
 
 
 def _differences(old: Mapping[str, Any], new: Mapping[str, Any], group: str = "") -> Iterator[str]:

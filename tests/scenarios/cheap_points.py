@@ -135,14 +135,3 @@ def run_and_stay(arguments: list[str], count: int, code: tuple[str, dict[str, st
             yield {number: evaluate(point)}
 
     sys.exit(run(arguments, stays, code))
-
-
-def run_with_room(arguments: list[str], room: int, fatal: bool, said: Path, code: tuple[str, dict[str, str]]) -> None:
-    """Run in a process whose files are limited to `room` bytes; beyond that the system kills it or refuses to write."""
-    import resource
-
-    sys.stderr, sys.dont_write_bytecode = said.open("w", encoding="utf-8"), True
-    signal.signal(signal.SIGXFSZ, signal.SIG_DFL if fatal else signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (room, room))
-    sys.exit(run(arguments, in_here, code))
