@@ -131,18 +131,17 @@ def fit(
         If a run is refused.
     """
     options = Options(until, begin, columns, interval, longest_gap)
-    one: Any = what
     if places is not None:
         for name, value in vars(options).items():
             if value is not None and name != "columns":
                 raise ValueError(f"The fit of a field of friction must be without {name}; got {shown(value)}.")
-        return fit_friction(one, measured, parameters, places, line, columns, values)
-    if not is_train(one):
-        return fit_run(one, measured, parameters, line, options, values)
+        return fit_friction(what, measured, parameters, places, line, columns, values)
+    if not is_train(what):
+        return fit_run(what, measured, parameters, line, options, values)
     for name, value in {**vars(options), **values}.items():
         if value is not None and name not in OF_TRAINS:
             raise ValueError(f"The fit of a train must be without {name}; it has {', '.join(OF_TRAINS)}. Leave it out.")
-    return fit_train(one, measured, parameters, line=line, **values)
+    return fit_train(what, measured, parameters, line=line, **values)
 
 
 def is_train(what: Any) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,6 @@ from fmu_src.cosimulation.measured import in_units_of, table_from
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.suggestion import suggestion
 from products.train.brake_model import select_brake_model
-from products.train.consist import Consist
 from products.train.factors import PARAMETERS, TWICE, changed
 from products.train.numbers import Settings
 from products.train.train import Train
@@ -64,7 +64,7 @@ def fit_train(
 
     def simulated(share: np.ndarray, rows: int) -> np.ndarray:
         other = changed(own, dict(zip(parameters, (share * first).tolist(), strict=True)))
-        make = _trains(other, along, chosen)
+        make = partial(Train, other, line=along, settings=chosen)
         return (_run(make, table, drive) if is_run else _stops(make, clock.tolist(), drive))[:rows, None]
 
     data = Data(clock, clock, table[name][:, None], {})
@@ -154,10 +154,6 @@ def _begin_of(parameters: Mapping[str, float]) -> np.ndarray:
         if set(pair) <= set(parameters):
             raise ValueError(f"parameters must have {pair[0]} or {pair[1]}, not both. Leave one out.")
     return np.array(list(parameters.values()), float)
-
-
-def _trains(consist: Consist, line: Line | None, settings: Settings) -> Callable[..., Train]:
-    return lambda **start: Train(consist, line=line, settings=settings, **start)
 
 
 def _stops(make: Callable[..., Train], speeds: Sequence[float], drive: str) -> np.ndarray:

@@ -25,22 +25,11 @@ def sides_from_files(options: Options) -> Sides:
     drop = bool(options.drop_outliers)
     wheels = profiles("--wheel", options.wheel, tape_circles=options.tape_circle or [None], drop_outliers=drop)
     rails = profiles("--rail", options.rail, lean, options.gauge_side or [None], drop_outliers=drop)
-    return sides_of(wheels, rails, options.diameter or [], options.gauge, options.flange_back)
-
-
-def sides_of(
-    wheels: Sequence[Profile],
-    rails: Sequence[Profile],
-    diameters: Sequence[float],
-    gauge: float | None,
-    flange_back: float | None,
-) -> Sides:
-    """Return a wheelset on its track from options in mm (`pair_of`)."""
-    given = left_and_right("--diameter", diameters) if diameters else (None, None)
-    radii = [None if one is None else within("--diameter", one, " mm", 200.0, 2000.0) / 2e3 for one in given]
+    diameters = left_and_right("--diameter", options.diameter or [None])
+    radii = [None if one is None else within("--diameter", one, " mm", 200.0, 2000.0) / 2e3 for one in diameters]
     track, backs = (
         None if one is None else within(option, one, " mm", 500.0, 2000.0) / 1e3
-        for option, one in (("--gauge", gauge), ("--flange-back", flange_back))
+        for option, one in (("--gauge", options.gauge), ("--flange-back", options.flange_back))
     )
     try:
         return pair_of(wheels, rails, radii, track, backs)
