@@ -108,18 +108,17 @@ class Fit(FormerNames):
 class Problem:
     """Measured outputs of a table, and runs with other parameters, as shares of their values at the start.
 
-    parameters: their names. first: values at the start. limits: shape (parameters, 2). names: those of the outputs.
-    last: number of rows that are fitted. simulated: returns the outputs of the first rows, shape (rows, outputs). far:
-    limits over start values above which a fit has no bound.
+    The first `last` rows are fitted. `simulated` returns the outputs of the first rows, shape (rows, outputs). A limit
+    of more than `far` start values is no bound.
 
     Raises ValueError if there are not more measured values than parameters.
     """
 
     table: Recording
     parameters: tuple[str, ...]
-    first: np.ndarray
-    limits: np.ndarray
-    names: Sequence[str]
+    first: np.ndarray  # values at the start
+    limits: np.ndarray  # shape (parameters, 2)
+    names: Sequence[str]  # of the outputs
     data: Data
     last: int
     simulated: Callable[[np.ndarray, int], np.ndarray]

@@ -95,7 +95,7 @@ def log_of(
     name: str = "The log",
     end: str = "",
 ) -> Recording:
-    """Return a log, in `units` by name if it has these columns. Guesses about a file are told on standard error.
+    """Return a log, in `units` by name if it has these columns. Guesses are printed to standard error.
 
     name, end: of a message about something else. Raises TypeError, ValueError, FileError.
     """
