@@ -108,8 +108,8 @@ class Fit(FormerNames):
 class Problem:
     """Measured outputs of a table, and runs with other parameters, as shares of their values at the start.
 
-    The first `last` rows are fitted. `simulated` returns the outputs of the first rows, shape (rows, outputs). A limit
-    of more than `far` start values is no bound.
+    The first `last` rows are fitted. `simulated` returns the outputs of the first rows, shape (rows, outputs).
+    Limits above `far` times the start value are not used.
 
     Raises ValueError if there are not more measured values than parameters.
     """
