@@ -162,7 +162,8 @@ class BatchLibrary(Library):
     """One system of a compiled model in lanes; lanes: 2, 4 or 8, or 0 for the most that the processor has."""
 
     def __init__(self, model: Model, system: System, lanes: int = 0, kept: Kept = made_now) -> None:
-        most = lanes_here(kept("kernel", lambda: build_library(model)))
+        # The most lanes of this processor, by any compiled kernel.
+        most = max(2, Kernel(Library(kept("kernel", lambda: build_library(model)))).use_lanes(8))
         own = lanes or most
         if own not in (2, 4, 8) or own > most:
             raise ValueError(
@@ -197,15 +198,10 @@ class BatchLibrary(Library):
         return (ctypes.c_int * len(names))(*(kernel.number_of(name) for name in names))
 
 
-def lanes_here(kernel: Path) -> int:
-    """Return the most lanes of this processor, at least 2 and at most 8; kernel: any compiled kernel library."""
-    return max(2, Kernel(Library(kernel)).use_lanes(8))
-
-
 @lru_cache(maxsize=16)
-def library_of_batch(model: Model, system: str, lanes: int = 0) -> BatchLibrary:
+def library_of_batch(model: Model, system: str) -> BatchLibrary:
     """Return the library of the system of this name, loaded once."""
-    return BatchLibrary(model, next(one for one in model.systems if one.name == system), lanes)
+    return BatchLibrary(model, next(one for one in model.systems if one.name == system))
 
 
 def _in_threads(library: BatchLibrary, count: int, runs: _Runs, queue: ctypes.c_longlong) -> None:
@@ -466,7 +462,8 @@ class Instances:
 
     def go_on(self, size: float) -> None:
         """Make a step with `input_values`. `status` is above 1 from then on if an instance ended or failed."""
-        self._in_shares(lambda first, end: self._step_some(first, end, size))
+        call = self._library.functions.batch_step
+        self._in_shares(lambda first, end: call(self._groups_from(first), self._steps(first, end, size)))
 
     def read_outputs(self, first: int, end: int) -> None:
         """Read all present outputs of the instances from `first` up to `end` into `output_values`."""
@@ -495,8 +492,7 @@ class Instances:
         call, pointer = self._library.functions, ctypes.cast(between, ctypes.c_void_p)
 
         def control_some(first: int, end: int) -> None:
-            groups = _from(self._groups, first // self._library.lanes)
-            call.batch_control(groups, self._steps(first, end, size), steps, pointer, context, first)
+            call.batch_control(self._groups_from(first), self._steps(first, end, size), steps, pointer, context, first)
 
         self._in_shares(control_some)
 
@@ -524,9 +520,9 @@ class Instances:
         first = create(None)
         return [first, *(create(first) for _ in range(groups - 1))]
 
-    def _step_some(self, first: int, end: int, size: float) -> None:
-        groups = _from(self._groups, first // self._library.lanes)
-        self._library.functions.batch_step(groups, self._steps(first, end, size))
+    def _groups_from(self, first: int) -> ctypes._Pointer[ctypes.c_void_p]:
+        """Return the groups from the one of an instance on."""
+        return _from(self._groups, first // self._library.lanes)
 
     def _steps(self, first: int, end: int, size: float) -> _Steps:
         return _Steps(

@@ -7,7 +7,7 @@ import math
 import casadi as ca
 import numpy as np
 
-from fmu_src.chain import Part, symbols_in
+from fmu_src.chain import symbols_in
 from fmu_src.system import Model, System
 from fmu_src.variables import integration_variables
 
@@ -34,8 +34,10 @@ def with_effect(system: System) -> set[str]:
     needed = symbols_in(system.without_waists(ca.vertcat(*[ca.vec(one) for one in expressions_of(system)])))
     for call in reversed(system.calls):
         if not needed.isdisjoint(call.own):
-            taken = ca.vertsplit(call.plain)
-            for place in places_that_matter(call.part, len(taken)):
+            # Arguments and constants on which the results of the part depend, and `when`, which comes after them.
+            taken, within = ca.vertsplit(call.plain), {place for places in call.part.needed for place in places}
+            when = range(call.part.arguments.numel() + call.part.constants.numel(), len(taken))
+            for place in (*within, *when):
                 needed |= symbols_in(taken[place])
     for symbol, moving in zip(system.derived_symbols.values(), what_moves_constants(system), strict=True):
         if not needed.isdisjoint(symbols_in(symbol)):
@@ -56,7 +58,10 @@ def what_moves_constants(system: System) -> list[frozenset[int]]:
     own = np.array([one.value for one in system.records])
     both = [constants, ca.jacobian(constants, parameters)]
     slopes = ca.Function("slopes", [parameters, records], both)
-    start, random = start_values(system), np.random.default_rng(SEED)
+    starts = {variable.name: variable.start for variable in system.variables}
+    # 1 instead of 0, so that each can be made larger and smaller.
+    start = np.array([starts[name] or 1.0 for name in system.parameter_symbols], float)
+    random = np.random.default_rng(SEED)
     structure = np.array(ca.DM(ca.jacobian_sparsity(constants, parameters), 1), bool)
     moved, silent = np.zeros_like(structure), np.ones((constants.numel(), 1), bool)
     for _ in range(DRAWS):
@@ -68,12 +73,6 @@ def what_moves_constants(system: System) -> list[frozenset[int]]:
     moved |= silent & structure  # a constant that is NaN at every draw: use the symbols in it
     hashes = np.array([symbol.element_hash() for symbol in ca.vertsplit(parameters)], object)
     return [frozenset(hashes[row]) for row in moved]
-
-
-def start_values(system: System) -> np.ndarray:
-    """Return the start values of parameters, 1 instead of 0, so that each can be made larger and smaller."""
-    known = {variable.name: variable.start for variable in system.variables}
-    return np.array([known[name] or 1.0 for name in system.parameter_symbols], float)
 
 
 def expressions_of(system: System) -> list[ca.SX]:
@@ -100,9 +99,3 @@ def without_calls(system: System, expression: ca.SX) -> ca.SX:
                 expression, call.symbols, math.nan * ca.sum1(call.plain) * ca.SX.ones(call.symbols.shape)
             )
     return expression
-
-
-def places_that_matter(part: Part, count: int) -> list[int]:
-    """Return the places of a part's arguments, `when` included, on which its results depend."""
-    within = {place for places in part.needed for place in places}
-    return [*sorted(within), *range(part.arguments.numel() + part.constants.numel(), count)]

@@ -28,14 +28,14 @@ class Segment:
     in_memory: int
 
 
-def fault_of(data: bytes, system: str = sys.platform) -> str:
-    """Return the reason why a system cannot load a file as a library; empty if no fault was found.
+def fault_of(data: bytes) -> str:
+    """Return the reason why this system cannot load a file as a library; empty if no fault was found.
 
     Linux maps a file that is cut off and ends the process where it reads beyond its end. Windows and macOS refuse it.
     """
-    if not data.startswith(BEGINNINGS.get(system, (b"",))):
+    if not data.startswith(BEGINNINGS.get(sys.platform, (b"",))):
         return "is not a shared library of this system"
-    if system != "linux":
+    if sys.platform != "linux":
         return ""
     try:
         return _fault_of_elf(data)
