@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fmu_src.codegen import generate
-from fmu_src.compile import batch_library, build_library
+from fmu_src.compile import build_library, library_of
 from fmu_src.elimination import elimination, elimination_in_lanes
 from fmu_src.equations import functions, table_ranks
 from fmu_src.equations_in_c import HEAD, functions_in_lanes
@@ -172,7 +172,7 @@ class BatchLibrary(Library):
         super().__init__(
             kept(
                 f"{own} lanes of {system.name}",
-                lambda: batch_library(generate(model) | batch_source(model, system), own),
+                lambda: library_of(generate(model) | batch_source(model, system), lanes=own),
             )
         )
         for name, (result, arguments) in _SIGNATURES.items():

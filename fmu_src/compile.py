@@ -21,6 +21,7 @@ from pathlib import Path
 import fmpy
 import platformdirs
 
+from fmu_src.cached_files import keep, missing, own_folder, whole
 from fmu_src.codegen import (
     BATCH_SOURCES,
     FACE_SOURCES,
@@ -31,7 +32,6 @@ from fmu_src.codegen import (
     STUDY_SOURCES,
     generate,
 )
-from fmu_src.kept import keep, missing, own_folder, whole
 from fmu_src.progress import counting
 from fmu_src.system import Model
 from readers.storage import ANOTHER_TEMPORARY, StorageError, cannot_write, sentence, write_whole
@@ -346,11 +346,6 @@ def library_of(
         return folder / "linked"
 
     return in_cache(f"{content}{library_suffix()}", linked)
-
-
-def batch_library(sources: Mapping[str, str], lanes: int) -> Path:
-    """Return the compiled kernel of a model with one of its systems in lanes, for batch.py."""
-    return library_of(sources, lanes=lanes)
 
 
 #: For files that are not ours, whose warnings are not either.

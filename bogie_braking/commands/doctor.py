@@ -178,7 +178,7 @@ def cache(compiles: bool) -> Finding:
     C can be compiled.
     """
     from fmu_src import compile as compiling
-    from fmu_src.kept import kept_files, whole
+    from fmu_src.cached_files import kept_files, whole
     from readers.storage import StorageError, write_whole
 
     try:

@@ -15,7 +15,7 @@ import pytest
 from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
 from fmu_src import compile as compiling
-from fmu_src.kept import CHECKSUM
+from fmu_src.cached_files import CHECKSUM
 from fmu_src.system import Model, System
 from products import build_notes, building, module_files
 from products.module_files import files_of, imports_of
