@@ -209,13 +209,13 @@ def build_all(
     names: Sequence[str], kinds: Sequence[str], out: Path, all_platforms: bool = False, **options: Any
 ) -> list[str]:
     """Build FMUs, a line each; return the problems that fmpy finds. options: of those of IN_C, which are all native."""
-    problems, license_file = [], {LICENSE: license_text()}
+    problems: list[str] = []
     in_c = {name: content_in_c(name, options) for name in names if name in IN_C}
     for kind in kinds:
         for name in names if kind in NATIVE else [name for name in names if name in FMUS]:
             begin = time.perf_counter()
             if name in in_c:
-                fmu = replace(in_c[name], extras={**license_file, **in_c[name].extras})
+                fmu = replace(in_c[name], extras={LICENSE: license_text(), **in_c[name].extras})
                 path = out / kind / f"{fmu.given.name}.fmu"
                 write_in_c(fmu, path, VERSIONS[kind], all_platforms)
             elif kind in NATIVE and not all_platforms:

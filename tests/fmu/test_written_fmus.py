@@ -15,6 +15,7 @@ from brake_controller.protection_fmu import MOST_WHEELSETS
 from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.building import build_all
+from products.registry import IN_C
 from products.train.layout import BRAKE_MODELS
 from rbd_model.levels.models import places_of
 from rbd_model.track.line import arc, line_of, straight
@@ -117,3 +118,12 @@ def test_controllers_go_for_any_number_of_wheelsets(wheelsets: int, tmp_path: Pa
         assert build_fmu.main(given) == 0
     for path in tmp_path.rglob("*.fmu"):
         goes(path)
+
+
+def test_fmus_in_c_are_built_with_all_others_and_are_native_only(tmp_path: Path) -> None:
+    assert build_all([*IN_C], ["python"], tmp_path) == []
+    assert not list(tmp_path.rglob("*.fmu"))
+    assert build_all([*IN_C], ["native"], tmp_path) == []
+    assert {path.stem for path in (tmp_path / "native").iterdir()} == {
+        *("TrainDynamics", "Coupler", "WheelSpeedSensor", "BrakingCurves")
+    }
