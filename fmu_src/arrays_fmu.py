@@ -17,7 +17,7 @@ from fmu_src.archive import write_archive, xml_file
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.compile import plain_library
 from fmu_src.identity import identifier, with_data
-from fmu_src.model_description import DISPLAY_UNITS, NOMINAL, UNITS, add_experiment, description_root
+from fmu_src.model_description import DISPLAY_UNITS, NOMINAL, UNITS, add_experiment, description_root, number_text
 from fmu_src.native_fmu import binary_for
 from fmu_src.objects import ARRAYS, FACES, OF_BOTH, OF_SLAVES, RUNTIME, able
 from fmu_src.standard_headers import standard_headers
@@ -183,13 +183,9 @@ def _units(root: ET.Element, given: ArraysInC) -> None:
                 ET.SubElement(element, "DisplayUnit", name=shown, factor=repr(factor))
 
 
-def _text(one: ArrayVariable, value: float) -> str:
-    return str(int(value)) if one.whole else repr(float(value))
-
-
 def _limits(one: ArrayVariable) -> dict[str, str]:
     pairs = (("min", one.minimum), ("max", one.maximum))
-    return {name: _text(one, limit) for name, limit in pairs if math.isfinite(limit)}
+    return {name: number_text(limit, not one.whole) for name, limit in pairs if math.isfinite(limit)}
 
 
 def _nature(one: ArrayVariable) -> dict[str, str]:
@@ -223,7 +219,7 @@ def description2(fmu: ArraysFmu) -> str:
             variable = ET.SubElement(variables, "ScalarVariable", attributes | _nature(one))
             kind = {} if one.whole else _unit(one)
             if one.causality != "output":
-                kind["start"] = _text(one, fmu.starts[number][element])
+                kind["start"] = number_text(fmu.starts[number][element], not one.whole)
             ET.SubElement(variable, "Integer" if one.whole else "Real", kind | _limits(one))
             if one.causality == "output":
                 outputs.append(str(len(variables)))
@@ -268,7 +264,7 @@ def description3(fmu: ArraysFmu) -> str:
         if not one.whole:
             attributes |= _unit(one)
         if one.causality != "output":
-            attributes["start"] = " ".join(_text(one, value) for value in fmu.starts[number])
+            attributes["start"] = " ".join(number_text(value, not one.whole) for value in fmu.starts[number])
         variable = ET.SubElement(variables, "Int32" if one.whole else "Float64", attributes | _limits(one))
         if length > 1:
             ET.SubElement(variable, "Dimension", start=str(length))

@@ -245,7 +245,7 @@ def _of_type(variable: Variable) -> dict[str, str]:
             attributes["nominal"] = repr(NOMINAL[variable.unit])
     attributes |= limits(variable)
     if variable.causality not in ("output", "local"):
-        attributes["start"] = number_text(variable, variable.start)
+        attributes["start"] = "" if variable.kind == "string" else number_text(variable.start, variable.kind == "real")
     return attributes
 
 
@@ -261,14 +261,12 @@ def limits(variable: Variable) -> dict[str, str]:
     if variable.kind in ("boolean", "string"):
         return {}
     both = {"min": variable.minimum, "max": variable.maximum}
-    return {name: number_text(variable, limit) for name, limit in both.items() if math.isfinite(limit)}
+    return {name: number_text(limit, variable.kind == "real") for name, limit in both.items() if math.isfinite(limit)}
 
 
-def number_text(variable: Variable, value: float) -> str:
-    """Return a value as its type is written in XML."""
-    if variable.kind == "string":
-        return ""
-    return repr(float(value)) if variable.kind == "real" else str(int(value))
+def number_text(value: float, real: bool) -> str:
+    """Return a number as its type is written in XML: real or an integer."""
+    return repr(float(value)) if real else str(int(value))
 
 
 def cells(variable: Variable) -> dict[str, str]:

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 
 from fmu_src.archive import xml_file
-from fmu_src.model_description import UNITS
+from fmu_src.model_description import UNITS, number_text
 from fmu_src.system import Variable
 
 _NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -56,4 +56,4 @@ def text_of(name: str, value: float, real: bool) -> str:
     """Return a number as XML has it, real or an integer. Raises ValueError if an integer is not whole."""
     if not real and value != int(value):
         raise ValueError(f"{name} must be an integer; got {value!r}. Round it.")
-    return repr(float(value)) if real else str(int(value))
+    return number_text(value, real)

@@ -14,7 +14,7 @@ from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.slide_protection import RIG, slide_sources
 from fmu_src.compile import library_suffix, loaded, plain_library
 from fmu_src.native_fmu import binary_for
-from products.prebuilt import contents, shipped, sources_here
+from products.prebuilt import prebuilt_from_these
 from products.protection.controller_kinds import FunctionsInC, InC
 
 
@@ -101,8 +101,7 @@ def binary_of_rig(targets: Sequence[str]) -> bytes:
 @lru_cache
 def library() -> Path:
     """Return the library that a wheel brings, if no source has changed, or one compiled here. Raises CompilerError."""
-    path = shipped(f"{SHIPPED}{library_suffix()}")
-    return path if path and contents().get("sources") == sources_here() else plain_library(sources())
+    return prebuilt_from_these(f"{SHIPPED}{library_suffix()}") or plain_library(sources())
 
 
 @lru_cache
