@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from fmu_src.kernel import SimulationError as SimulationError
     from fmu_src.system import Model as Model
     from fmu_src.system import System as System
-    from fmu_src.system import Variable as Variable
+    from fmu_src.variables import Variable as Variable
     from products.train.cleaning import CleanedRail as CleanedRail
     from products.train.driver import HoldingDriver as HoldingDriver
     from products.train.timetable import StationStop as StationStop
@@ -71,7 +71,8 @@ _HOMES = {
     "fmu_src.cosimulation.recording": ("Recording",),
     "fmu_src.cosimulation.slave": ("CosimulationError", "FmuInstance"),
     "fmu_src.kernel": ("SimulationError",),
-    "fmu_src.system": ("Model", "System", "Variable"),
+    "fmu_src.system": ("Model", "System"),
+    "fmu_src.variables": ("Variable",),
     "products.train.cleaning": ("CleanedRail",),
     "products.train.driver": ("HoldingDriver",),
     "products.train.timetable": ("StationStop", "TimetableDriver"),

@@ -37,22 +37,11 @@ class State:
 class Friction:
     """Dry friction on a velocity, one of the `states` or the sum of two: `direction` is 1, -1 or, when stuck, 0.
 
-    The equations multiply `capacity` with `direction` and hold the velocity if it is 0.
-
-    Attributes
-    ----------
-    drive : SX
-        Load that the friction must balance to stay stuck, in the unit of `capacity`.
-    capacity : SX
-        Largest load of the friction; below 0: it never has any.
-    stuck_word, sliding_word : str
-        Words for messages.
-    still : SX
-        Largest speed at which it sticks.
-    whole : str
-        The vehicle that it holds as a whole; frictions with the same one are reported as one.
-    reported : tuple or None
-        Margins above 0 if sticking counts, or would count, and if sliding counts; None: both always count.
+    The equations multiply `capacity` with `direction` and hold the velocity if it is 0. To stay stuck, the friction
+    must balance the load `drive`, in the unit of `capacity`, its largest load; below 0: it never has any. It sticks at
+    speeds up to `still`. Messages use `stuck_word` and `sliding_word`. It holds the vehicle `whole`; frictions with the
+    same one are reported as one. The margins `reported` are above 0 if sticking counts, or would count, and if sliding
+    counts; None: both always count.
     """
 
     label: str
@@ -71,19 +60,9 @@ class Friction:
 class Condition:
     """The run ends, or warns once, when a margin turns negative.
 
-    Parameters
-    ----------
-    margin : SX
-        Dimensionless, of order 1.
-    sentence : str
-        The message; its one %s is the time [s].
-    candidate : SX, optional
-        A cheaper expression that is negative wherever the margin may be. The margin is computed only there.
-
-    Raises
-    ------
-    ValueError
-        If the message does not have one %s.
+    margin: dimensionless, of order 1. sentence: the message; its one %s is the time [s]. candidate: a cheaper
+    expression that is negative wherever the margin may be; the margin is computed only there. Raises ValueError if the
+    message does not have one %s.
     """
 
     margin: ca.SX
@@ -108,24 +87,10 @@ class SteadyStart:
     the speed as the vehicle rolls faster or slower, in proportion to the growth of their start value with the parameter
     `given`. States that friction could hold in many places lie where it holds nothing.
 
-    Attributes
-    ----------
-    course : SX
-        Above 0 to start steadily.
-    speed : str
-        The state that starts with `given` and keeps that.
-    given : str
-        The parameter of the start speed.
-    kept : tuple of str
-        Further states that are kept: places and angles without limits.
-    last : tuple of str
-        States that settle once the others have. They keep their start values if one of `places` is not 0.
-    drives : tuple of str
-        Inputs that are 0 in the steady state, and act from then on.
-    places : tuple of str
-        Parameters that set the places of `last`.
-    sentence : str
-        Error message if no such state is found; its %s is the time.
+    The state `speed` starts with the parameter `given` and keeps that. The states `kept` are places and angles without
+    limits, and are kept too. The states `last` settle once the others have. They keep their start values if one of the
+    parameters `places` is not 0. The inputs `drives` are 0 in the steady state, and act from then on. If no such state
+    is found, the message is `sentence`; its %s is the time.
     """
 
     course: ca.SX

@@ -672,19 +672,8 @@ class System(Chain):
 class Relation:
     """A relation between parameters: a sum that must be above 0.
 
-    Parameters
-    ----------
-    terms : tuple of tuple
-        Names of parameters, each with its factor.
-    constant : float
-        Constant of the sum.
-    sentence : str
-        The message if the relation is broken; its one %s is the missing amount.
-
-    Raises
-    ------
-    ValueError
-        If there are no terms, or if the message does not have one %s.
+    terms: names of parameters, each with its factor. sentence: the message if the relation is broken; its one %s is the
+    missing amount. Raises ValueError if there are no terms, or if the message does not have one %s.
     """
 
     terms: tuple[tuple[str, float], ...]

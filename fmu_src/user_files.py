@@ -13,18 +13,9 @@ from readers.columns import Column
 
 @dataclass(frozen=True)
 class Piece:
-    """Polynomials between two rows of a table file.
+    """Polynomials between two rows of a table file, of a degree of at most 5.
 
     Beyond the ends of the table it keeps its last value or, if `goes_on`, its last slope.
-
-    Parameters
-    ----------
-    name, unit : str
-        Name and unit.
-    degree : int
-        Degree, at most 5.
-    goes_on : bool
-        True: the last slope continues.
     """
 
     name: str
@@ -41,29 +32,15 @@ MOST_COLUMNS, HIGHEST_DEGREE = 32, 5
 class TableFile:
     """A table that an instance reads before the start, from the CSV file that `variable`, a string, names.
 
-    Attributes
-    ----------
-    variable : Variable
-        The string variable with the path of the file.
-    noun, preposition : str
-        Its name in messages, "line", and the word before it: a vehicle runs "on" a line.
-    resource : str
-        File in an FMU's resources that is read if the variable is not set.
-    columns : tuple of Column
-        Columns of the file, which contains only numbers.
-    least_growth : float
-        Smallest growth of the first column from row to row.
-    rounding : float
-        Length on either side of a row over which a corner between straight lines is rounded; 0: none is.
-    known : str
-        The columns in words, for a message about an unknown one.
-    added : tuple of str
-        Columns that the model computes.
-    pieces : tuple of Piece
-        Polynomials that equations can look up.
-    source : str
-        C with the functions `parts_before`, `complete` and `piece_between` of `table_file_description` (model.h). It
-        may call the functions of table_file.h; COLUMN_NAME and PIECE_NAME are the places of columns and pieces.
+    Messages call it `noun`, "line", with the word `preposition` before it: a vehicle runs "on" a line. If the variable
+    is not set, the file `resource` in an FMU's resources is read. The file contains only numbers, in `columns`. The
+    first one grows by at least `least_growth` from row to row. A corner between straight lines is rounded over the
+    length `rounding` on either side of a row; 0: none is. A message about an unknown column lists those of `known`. The
+    model computes the columns `added`. Equations can look up `pieces`.
+
+    The C in `source` has the functions `parts_before`, `complete` and `piece_between` of `table_file_description`
+    (model.h). It may call the functions of table_file.h. COLUMN_NAME and PIECE_NAME are the places of columns and
+    pieces.
     """
 
     variable: Variable
@@ -103,25 +80,12 @@ class TableFile:
 class RecordFile:
     """Records that an instance reads before the start, from the file that `variable`, a string, names.
 
-    Attributes
-    ----------
-    variable : Variable
-        The string variable with the path of the file.
-    noun : str
-        Its name in messages, "contact table".
-    resource : str
-        File in an FMU's resources that is read if the variable is not set.
-    remedy : str
-        The end of a message about a damaged file.
-    version : int
-        Format, in the first row of a file.
-    kind : RecordKind
-        Kind of the root record.
-    source : str
-        C with the function `check_record` of `record_file_description` (model.h); KIND_NAME and NUMBER_KIND_NAME are
-        the places of kinds and numbers.
-    owner : str
-        What has a root record of its own, "wheelset".
+    Messages call it `noun`, "contact table"; that about a damaged file ends with `remedy`. If the variable is not set,
+    the file `resource` in an FMU's resources is read. The first row of a file has the format `version`. The root record
+    is of `kind`; each `owner`, "wheelset", has one of its own.
+
+    The C in `source` has the function `check_record` of `record_file_description` (model.h). KIND_NAME and
+    NUMBER_KIND_NAME are the places of kinds and numbers.
     """
 
     variable: Variable
