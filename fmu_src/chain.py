@@ -30,20 +30,11 @@ def function_of(name: str, given: list[ca.SX], result: ca.SX) -> ca.Function:
 class Part:
     """A function that is generated once and called for each repeated component, such as the wheelsets of a vehicle.
 
-    Attributes
-    ----------
-    results : SX
-        Column vector of `arguments`, by which it is differentiated, and of `constants`, by which it is not.
-    chain : Chain
-        The calls of this part and its shared intermediate variables.
-    source : str
-        C instead of equations, placed after `common`; see `part_in_c`.
-    common : str
-        C that several parts share.
-    flat : bool
-        True for a table search, whose results have no slopes; its C is a table, see piecewise.py.
-    inline : bool
-        True if `source` is C of a call, with {arguments}, {constants} and {left} in braces.
+    The column vector `results` is differentiated by `arguments`, but not by `constants`. The `chain` has the calls of
+    this part and its shared intermediate variables. A part may have C instead of equations (`part_in_c`): `source`,
+    placed after `common`, which several parts share. With `flat` it is a table search, whose results have no slopes;
+    its C is a table, see piecewise.py. With `inline`, `source` is C of a call, with {arguments}, {constants} and {left}
+    in braces.
     """
 
     name: str
@@ -97,19 +88,11 @@ def part_in_c(name: str, counts: tuple[int, int, int], source: str, common: str 
 class Each:
     """A call is made for each record of a list (records.py), and the results are added up.
 
-    The last constant of the call is the record with the list; the part gets the record in the list in its place.
-
-    Attributes
-    ----------
-    place : int
-        Place of the list among those of the record.
-    asked : Part or None
-        Its one result, of the same arguments and constants, is above 0 if the part is needed for a record; None: the
-        part is called for each.
-    always : bool
-        True if the part is called for the first record in any case; the list then must not be empty.
-    largest : bool
-        True if the largest of each result is taken, and NOTHING of an empty list. Such a call has no derivatives.
+    The last constant of the call is the record with the list; the part gets the record in the list in its place. The
+    list has the place `place` among those of the record. The part is called where the one result of `asked`, of the
+    same arguments and constants, is above 0; None: for each record. With `always` it is called for the first record in
+    any case; the list then must not be empty. With `largest` the largest of each result is taken, and NOTHING of an
+    empty list. Such a call has no derivatives.
     """
 
     place: int

@@ -114,21 +114,9 @@ def library_suffix() -> str:
 
 
 def run(command: Sequence[str], target: str | None, folder: Path) -> None:
-    """Run a command of the compiler in a folder.
+    """Run the compiler with these arguments in a folder, with zig's local cache there. Raises CompilerError.
 
-    Parameters
-    ----------
-    command : sequence of str
-        Arguments of the compiler.
-    target : str or None
-        Target of zig; None for this machine.
-    folder : Path
-        Working folder, with zig's local cache.
-
-    Raises
-    ------
-    CompilerError
-        If the compiler is missing or fails.
+    target: of zig; None for this machine.
     """
     environment = os.environ | {
         "ZIG_GLOBAL_CACHE_DIR": os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(CACHE / "zig")),

@@ -21,16 +21,10 @@ LONGEST = 150
 
 @dataclass(frozen=True)
 class Elimination:
-    """An order of elimination of the states, and the places that it fills.
+    """An order of elimination of the states, which keeps the factors sparse, and the places that it fills.
 
-    Attributes
-    ----------
-    order : list of int
-        The states, in an order that keeps the factors sparse.
-    nonzeros : list of tuple
-        Row and column of each nonzero of the Jacobian, column by column.
-    below, right : list of list of int
-        For each pivot, the nonzero rows below it and columns right of it at its elimination.
+    The row and column of each nonzero of the Jacobian are in `nonzeros`, column by column. For each pivot, `below` and
+    `right` have the nonzero rows below it and columns right of it at its elimination.
     """
 
     order: list[int]

@@ -102,9 +102,10 @@ class RecordFile:
 class OfRecord:
     """A number of a record, or the record itself, which is the same during a run; `symbol` has it in equations.
 
-    own: the root record of an instance without a file. root: place of the root record among those of the files; a
-    single one is that of all. path: places of lists and of the records in them, from the root. A single record of a
-    shared list is that of all places. number: its place, -1: the record, which is 0 if a file does not have it.
+    Without a file an instance has the root record `own`. `root` is the place of the root record among those of the
+    files; a single one is that of all. `path` has the places of lists and of the records in them, from the root. A
+    single record of a shared list is that of all places. `number` is the place of the number; -1: the record, which is
+    0 if a file does not have it.
     """
 
     symbol: ca.SX
