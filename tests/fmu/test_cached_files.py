@@ -16,7 +16,7 @@ from types import SimpleNamespace
 import pytest
 
 from bogie_braking.commands import doctor
-from fmu_src import archive, kept
+from fmu_src import archive, cached_files
 from fmu_src import compile as compiling
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.recording import Recording
@@ -59,8 +59,8 @@ def emptied(path: Path) -> None:
 
 def without_checksum(path: Path) -> None:
     """Remove the checksum, as if a process was killed between both files or an older version wrote the library."""
-    kept.checksum_file(path).unlink()
-    kept._compared.clear()  # a process compares each file only once
+    cached_files.checksum_file(path).unlink()
+    cached_files._compared.clear()  # a process compares each file only once
 
 
 def linked_out(path: Path) -> None:
@@ -111,7 +111,7 @@ def test_a_copied_cache_serves_its_own_files(cache: Path, tmp_path: Path, monkey
 @pytest.mark.parametrize("text", ["", "../outside", "/etc/hostname"])
 def test_a_note_leads_nowhere_else(text: str, cache: Path) -> None:
     compiling.cache()
-    kept.keep(b"x", cache.parent / "outside")
+    cached_files.keep(b"x", cache.parent / "outside")
     assert compiling.path_from(text) is None
 
 
@@ -142,7 +142,7 @@ def test_a_cache_that_others_can_write_is_refused_with_what_to_do(mode: int, cac
 @posix
 def test_files_and_folders_of_another_user_are_not_ours() -> None:
     for user, ours in ((os.geteuid(), True), (0, True), (os.geteuid() + 1, False)):
-        words = kept.of_others(SimpleNamespace(st_uid=user, st_mode=0o100644))  # type: ignore[arg-type]
+        words = cached_files.of_others(SimpleNamespace(st_uid=user, st_mode=0o100644))  # type: ignore[arg-type]
         assert (words == "") == ours
     assert f"it belongs to user {os.geteuid() + 1}" in words
 
@@ -150,8 +150,8 @@ def test_files_and_folders_of_another_user_are_not_ours() -> None:
 @posix
 def test_a_file_that_others_can_write_is_compiled_again(cache: Path) -> None:
     made().chmod(0o666)
-    assert not kept.whole(next(cache.glob("*.so")))
-    assert kept.whole(made())
+    assert not cached_files.whole(next(cache.glob("*.so")))
+    assert cached_files.whole(made())
 
 
 @posix
@@ -205,12 +205,12 @@ def test_a_place_that_cannot_be_written_is_one_sentence(cache: Path) -> None:
     """In a read-only cache, existing files are used and a missing file raises an error."""
     path = made()
     path.unlink()
-    path.with_name(path.name + kept.LOCK).mkdir()
+    path.with_name(path.name + cached_files.LOCK).mkdir()
     with pytest.raises(CompilerError, match=rf"Cannot write {cache}.*Name another folder in the environment"):
         made()
-    path.with_name(path.name + kept.LOCK).rmdir()
+    path.with_name(path.name + cached_files.LOCK).rmdir()
     made()
-    path.with_name(path.name + kept.LOCK).mkdir()
+    path.with_name(path.name + cached_files.LOCK).mkdir()
     assert made() == path
 
 
@@ -231,14 +231,14 @@ def test_a_process_that_was_killed_while_it_wrote_holds_nobody_up(cache: Path) -
     assert ended.returncode == -signal.SIGKILL
     [partial] = cache.glob(f".*{PARTIAL}")
     assert compiling.noted("text.made", lambda: "2") == "2"
-    old = time.time() - 2 * kept.STALE
+    old = time.time() - 2 * cached_files.STALE
     os.utime(partial, (old, old))
     fresh = cache / f".fresh{PARTIAL}"
     fresh.write_text("")
     made()
     assert not partial.exists()
     assert fresh.exists()
-    assert not list(cache.glob(f"*{kept.LOCK}"))
+    assert not list(cache.glob(f"*{cached_files.LOCK}"))
 
 
 def test_doctor_names_what_is_not_whole(cache: Path) -> None:
