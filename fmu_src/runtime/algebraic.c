@@ -47,6 +47,15 @@ bool algebraic_solve(kernel *self, double offset, double *state, double toleranc
     return false;
 }
 
+bool algebraic_begin(kernel *self, double offset, double tolerance) {
+    rosenbrock_linearise(self, offset, self->run.state);
+    if (algebraic_solve(self, offset, self->run.state, tolerance)) return true;
+    char when[TIME_TEXT];
+    kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %s s; check inputs and parameters.",
+                time_text(self->given.step_origin + offset, 9, when));
+    return false;
+}
+
 bool algebraic_correct(kernel *self, double *state, double tolerance) {
     const system_description *system = self->system;
     double *correction = self->work.correction;

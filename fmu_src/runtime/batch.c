@@ -181,7 +181,7 @@ static void try_steps(batch *self) {
         lane *one = &self->lane[l];
         one->together = false;
         if (!asks(one) || !one->linearised) continue;
-        const rosenbrock_tableau *method = one->self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
+        const rosenbrock_tableau *method = rosenbrock_method(one->self);
         if (!self->tableau) self->tableau = method; /* lanes with the other method step alone */
         one->together = method == self->tableau;
         self->numbers.wanted[l] = one->run.size;

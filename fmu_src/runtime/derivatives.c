@@ -29,12 +29,7 @@ static kernel_status differentiate_outputs(kernel *self, const double *place) {
 /* Return the place of the derivatives, linearised, with an empty seed; NULL, with an error, if that fails. */
 static const double *prepare_derivatives(kernel *self) {
     char when[TIME_TEXT];
-    if (!self->system) {
-        (void)kernel_fail(self, KERNEL_ERROR, "Initialise %s before its derivatives.", MODEL.name);
-        return NULL;
-    }
-    kernel_gather_inputs(self);
-    self->given.step_origin = self->run.now->time;
+    if (kernel_prepare(self, "its derivatives") != KERNEL_OK) return NULL;
     const double *place = algebraic_place(self);
     if (!place) {
         (void)kernel_fail(self, KERNEL_ERROR, "The equations have no solution at t = %s s; check inputs and parameters.",

@@ -87,6 +87,13 @@ void kernel_gather_inputs(kernel *self) {
     }
 }
 
+kernel_status kernel_prepare(kernel *self, const char *what) {
+    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before %s.", MODEL.name, what);
+    kernel_gather_inputs(self);
+    self->given.step_origin = self->run.now->time;
+    return KERNEL_OK;
+}
+
 void kernel_compute_outputs(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     kernel_evaluate(self, system->output, offset, state, self->reading.output);

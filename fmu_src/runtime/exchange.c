@@ -38,13 +38,6 @@ kernel_status kernel_check_exchange(kernel *self) {
                        name_of_choice(self), kernel_exchange_states(), MODEL.system[MODEL.exchanged].name, system->name);
 }
 
-static kernel_status prepare(kernel *self) {
-    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
-    self->given.step_origin = self->run.now->time;
-    kernel_gather_inputs(self);
-    return KERNEL_OK;
-}
-
 /* Return the index of the first number that is not finite; -1 if all are. */
 static int first_not_finite(const double *number, int count) {
     for (int i = 0; i < count; ++i)
@@ -73,7 +66,7 @@ kernel_status kernel_set_time(kernel *self, double time) {
 }
 
 kernel_status kernel_set_states(kernel *self, const double *state) {
-    const kernel_status status = prepare(self);
+    const kernel_status status = kernel_prepare(self, "its equations");
     if (status != KERNEL_OK) return status;
     const int bad = first_not_finite(state, self->system->states);
     if (bad >= 0) return discard(self, name_of_state(self, bad));
@@ -83,7 +76,7 @@ kernel_status kernel_set_states(kernel *self, const double *state) {
 }
 
 kernel_status kernel_get_states(kernel *self, double *state) {
-    const kernel_status status = prepare(self);
+    const kernel_status status = kernel_prepare(self, "its equations");
     if (status == KERNEL_OK) memcpy(state, self->run.state, (size_t)self->system->states * sizeof(double));
     return status;
 }
@@ -94,7 +87,7 @@ void kernel_get_nominals(double *nominal) {
 
 /* All slopes, in work.slope; of algebraic states residuals. */
 static kernel_status find_slopes(kernel *self) {
-    const kernel_status status = prepare(self);
+    const kernel_status status = kernel_prepare(self, "its equations");
     if (status != KERNEL_OK) return status;
     const double *place = algebraic_place(self);
     if (place) kernel_evaluate(self, self->system->ode, 0.0, place, self->work.slope);
@@ -114,7 +107,7 @@ kernel_status kernel_get_slopes(kernel *self, double *slope) {
 /* Margins, in modes.margin. A friction without capacity has its direction watched, for when there is some; one whose
  * capacity is below 0 never gets any. */
 static kernel_status find_margins(kernel *self) {
-    const kernel_status status = prepare(self);
+    const kernel_status status = kernel_prepare(self, "its equations");
     if (status != KERNEL_OK) return status;
     const system_description *system = self->system;
     (void)modes_margin(self, 0.0, self->run.state);
@@ -147,7 +140,7 @@ int kernel_exchanged_number(int variable) {
 
 kernel_status kernel_get_exchanged(kernel *self, int number, double *value) {
     const int states = kernel_exchange_states();
-    kernel_status status = prepare(self);
+    kernel_status status = kernel_prepare(self, "its equations");
     *value = 0.0;
     if (status != KERNEL_OK) return status;
     if (number < states) {
@@ -181,10 +174,7 @@ kernel_status kernel_find_modes(kernel *self, bool *jumped) {
     explicit_host_begin(self);
     self->run.now->inputs_jumped = false;
     self->run.now->outputs_stale = true;
-    char when[TIME_TEXT];
-    if (self->run.now->ended)
-        (void)kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->run.now->ended - 1],
-                              time_text(self->run.now->time, 6, when));
+    if (self->run.now->ended) (void)kernel_say_end(self, self->run.now->time);
     return KERNEL_OK;
 }
 

@@ -55,12 +55,6 @@ void fixed_ask(kernel *self, stepper *run) {
     if (!algebraic_correct(self, self->run.state, self->run.value[MODEL.tolerance])) fixed_failed(self, run);
 }
 
-double fixed_try(kernel *self, const stepper *run) {
-    const rosenbrock_tableau *method = self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
-    if (!rosenbrock_factorise(self, method, &self->work.factors, self->work.jacobian, run->size)) return NAN;
-    return rosenbrock_step(self, method, &self->work.factors, run->offset, run->size);
-}
-
 void fixed_take(kernel *self, stepper *run, double error) {
     const double offset = run->offset, step = run->size;
     if (!isfinite(error)) {

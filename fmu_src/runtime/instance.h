@@ -83,6 +83,8 @@ RUNTIME_LOCAL kernel_status kernel_warn_of_idle_parameters(kernel *self);
 RUNTIME_LOCAL kernel_status kernel_warn_of_small_pressure(kernel *self, int variable);
 /* The value of a variable is from the FMU's own files: no warning if it has no effect, until it is set to another. */
 RUNTIME_LOCAL void kernel_keep_own(kernel *self, int variable);
+/* Report why the run ended at a time; return a discard. */
+RUNTIME_LOCAL kernel_status kernel_say_end(kernel *self, double time);
 /* Report that the run ended `reached` seconds into a step that is taken back; there were `noted` records before it. */
 RUNTIME_LOCAL kernel_status kernel_discard(kernel *self, unsigned long long noted, double reached);
 RUNTIME_LOCAL void kernel_leave_table(kernel *self);
@@ -90,6 +92,8 @@ RUNTIME_LOCAL void kernel_leave_records(kernel *self);
 /* Set the data that follow from the chosen system and the parameters and are not restored with them. */
 RUNTIME_LOCAL void kernel_enter_system(kernel *self);
 RUNTIME_LOCAL void kernel_gather_inputs(kernel *self);
+/* Gather inputs and place the origin of a step at the present time; an error before the initialisation. */
+RUNTIME_LOCAL kernel_status kernel_prepare(kernel *self, const char *what);
 RUNTIME_LOCAL void kernel_compute_outputs(kernel *self, double offset, const double *state);
 /* First output that is not a finite number, or null. */
 RUNTIME_LOCAL const char *kernel_output_not_finite(const kernel *self);

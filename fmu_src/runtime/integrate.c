@@ -23,15 +23,6 @@ static void fail(stepper *run) {
     run->phase = STEPPER_DONE;
 }
 
-static bool start_exact_step(kernel *self, double offset) {
-    rosenbrock_linearise(self, offset, self->run.state);
-    if (algebraic_solve(self, offset, self->run.state, self->run.value[MODEL.tolerance])) return true;
-    char when[TIME_TEXT];
-    kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %s s; check inputs and parameters.",
-                time_text(self->given.step_origin + offset, 9, when));
-    return false;
-}
-
 static bool is_short(const kernel *self, const stepper *run) {
     return !self->recorder && run->remaining <= SHORT * self->run.now->proposed_step;
 }
@@ -83,7 +74,7 @@ static double size_by_trials(rejected_trial before, rejected_trial last) {
 static void ask_adaptive(kernel *self, stepper *run) {
     run->phase = STEPPER_TRIES;
     run->proposed = self->run.now->proposed_step;
-    if (self->work.method == METHOD_EXACT && !start_exact_step(self, run->offset)) {
+    if (self->work.method == METHOD_EXACT && !algebraic_begin(self, run->offset, self->run.value[MODEL.tolerance])) {
         fail(run);
         return;
     }
@@ -94,10 +85,6 @@ static void ask_adaptive(kernel *self, stepper *run) {
     run->before.size = run->before.error = 0.0;
 }
 
-static const rosenbrock_tableau *tableau_of(const kernel *self) {
-    return self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
-}
-
 /* Return whether the trial is accepted; set the size that is proposed next. */
 static bool is_accepted(kernel *self, stepper *run, double error, double next) {
     if (!(error <= 1.0)) return false;
@@ -105,7 +92,7 @@ static bool is_accepted(kernel *self, stepper *run, double error, double next) {
     const bool cut = run->size == run->wanted && run->wanted < run->proposed && next < run->proposed;
     self->run.now->proposed_step = cut ? run->proposed : next;
     if (self->work.method == METHOD_EXACT)
-        keep_jacobian(self, run, fmin(rosenbrock_allowed_size(tableau_of(self), run->size, error), run->longest));
+        keep_jacobian(self, run, fmin(rosenbrock_allowed_size(rosenbrock_method(self), run->size, error), run->longest));
     return true;
 }
 
@@ -225,11 +212,11 @@ void stepper_ask(kernel *self, stepper *run) {
 }
 
 double stepper_try(kernel *self, const stepper *run) {
-    if (run->fixed) return fixed_try(self, run);
+    if (run->fixed) return rosenbrock_try(self, rosenbrock_method(self), run->offset, run->size);
     switch (self->work.method) {
     case METHOD_REUSED: return reuse_try(self, run->offset, run->size);
     case METHOD_EXPLICIT: return runge_kutta_try(self, run->offset, run->size);
-    default: return rosenbrock_try(self, run->offset, run->size);
+    default: return rosenbrock_try(self, &RODAS5P, run->offset, run->size);
     }
 }
 
@@ -244,7 +231,7 @@ void stepper_take(kernel *self, stepper *run, double error) {
         run->margin = INFINITY;
         if (error <= 1.0) run->margin = modes_margin(self, run->offset + run->size, self->work.trial);
         if (isnan(run->margin)) error = NAN;
-        const double next = rosenbrock_next_size(tableau_of(self), run->size, error);
+        const double next = rosenbrock_next_size(rosenbrock_method(self), run->size, error);
         if (is_accepted(self, run, error, next)) take_found(self, run);
         else shorten(self, run, error, next);
     }

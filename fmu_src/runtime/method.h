@@ -24,6 +24,8 @@ RUNTIME_LOCAL void linear_write_by_rows(const kernel *self, double *matrix);
 /* Algebraic states, the others held, solved until their scaled change is below `tolerance` or round-off; all leave the
  * slopes in work.slope; whether that succeeds. Newton's method from work.jacobian, which is that of `state`; */
 RUNTIME_LOCAL bool algebraic_solve(kernel *self, double offset, double *state, double tolerance);
+/* the same at the present state, which is linearised first, with a message on failure; */
+RUNTIME_LOCAL bool algebraic_begin(kernel *self, double offset, double tolerance);
 /* at most one step of it, which the slopes follow along the Jacobian; false only where there are no factors; */
 RUNTIME_LOCAL bool algebraic_correct(kernel *self, double *state, double tolerance);
 /* with given factors throughout, the old values kept where that fails; */
@@ -46,7 +48,10 @@ RUNTIME_LOCAL bool rosenbrock_factorise(kernel *self, const rosenbrock_tableau *
                                         const double *jacobian, double size);
 RUNTIME_LOCAL double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const step_factors *of, double offset,
                                      double size);
-RUNTIME_LOCAL double rosenbrock_try(kernel *self, double offset, double size); /* with RODAS5P; linearise first */
+/* Linearise before a trial. */
+RUNTIME_LOCAL double rosenbrock_try(kernel *self, const rosenbrock_tableau *method, double offset, double size);
+/* ROS34PW2 if it is the chosen method, else RODAS5P. */
+RUNTIME_LOCAL const rosenbrock_tableau *rosenbrock_method(const kernel *self);
 /* The step whose error would be about the tolerance, and as much of it as one step may differ from the one before. */
 RUNTIME_LOCAL double rosenbrock_allowed_size(const rosenbrock_tableau *method, double size, double error);
 RUNTIME_LOCAL double rosenbrock_next_size(const rosenbrock_tableau *method, double size, double error);

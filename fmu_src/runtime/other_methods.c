@@ -9,13 +9,12 @@ static const double SOLVED = 1e-13;
 
 /* Takes the state to a place; *offset is its time since the kernel's own, from where ramps of inputs go on. */
 static kernel_status move_to(kernel *self, double time, const double *place, double *offset) {
-    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
+    const kernel_status status = kernel_prepare(self, "its equations");
+    if (status != KERNEL_OK) return status;
     for (int i = 0, k = 0; i < self->system->states; ++i)
         if (self->work.differential[i] != 0.0) self->run.state[i] = place[k++];
-    self->given.step_origin = self->run.now->time;
     *offset = time - self->run.now->time;
     self->run.now->outputs_stale = true;
-    kernel_gather_inputs(self);
     memcpy(self->work.trial, self->run.state, (size_t)self->system->states * sizeof(double));
     if (algebraic_find(self, *offset, self->run.state, SOLVED)) return KERNEL_OK;
     memcpy(self->run.state, self->work.trial, (size_t)self->system->states * sizeof(double));
@@ -40,10 +39,9 @@ kernel_status kernel_slopes_at(kernel *self, double time, const double *place, d
 }
 
 kernel_status kernel_equations_at(kernel *self, double time, const double *state, double *slope, double *jacobian) {
-    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its equations.", MODEL.name);
+    const kernel_status status = kernel_prepare(self, "its equations");
+    if (status != KERNEL_OK) return status;
     const double offset = time - self->run.now->time;
-    self->given.step_origin = self->run.now->time;
-    kernel_gather_inputs(self);
     kernel_evaluate(self, self->system->ode, offset, state, slope);
     self->counters.right_hand_sides++;
     if (!jacobian) return KERNEL_OK;

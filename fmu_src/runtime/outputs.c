@@ -4,8 +4,7 @@
 /* Compute outputs after an input was set. They stay stale if they are not finite, so that the next reading reports it
  * again. */
 static kernel_status renew_outputs(kernel *self) {
-    kernel_gather_inputs(self);
-    self->given.step_origin = self->run.now->time;
+    (void)kernel_prepare(self, "its outputs");
     const double *state = algebraic_place(self);
     if (!state) {
         char when[TIME_TEXT];

@@ -1,7 +1,6 @@
 /* Records from users' files, as FMUs and kernels read them. Each row is a number with its name, the head of a table or of a
  * list, or a row of a table, in the order of the kinds. The last one is the checksum of all numbers; another root record may
  * follow. rbd_model/contact/pair_file.py writes and reads the same files. */
-#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -12,7 +11,7 @@
 #include "sealed.h"
 #include "text_rows.h"
 
-enum { MOST_PIECES = 20000, MOST_CELLS = 48, QUOTED_CELL = 40, END_OF_PATH = 120 };
+enum { MOST_PIECES = 20000, MOST_CELLS = 48, QUOTED_CELL = 40 };
 
 static const double LARGEST_COEFFICIENT = 1e100, EQUAL_PIECES = 1e-9;
 
@@ -34,11 +33,8 @@ typedef struct {
 static bool refuse_record(record_reader *self, const char *format, ...) LIKE_PRINTF(2);
 static bool refuse_record(record_reader *self, const char *format, ...) {
     const record_file_description *about = MODEL.record_file;
-    const int length = (int)strlen(self->path), room = PROBLEM_SIZE - 2;
-    const char *path = self->path + (length > END_OF_PATH ? length - END_OF_PATH : 0);
-    int used = print_text(self->problem, (size_t)room, "%c%s %s%s", toupper(*about->noun), about->noun + 1,
-                          length > END_OF_PATH ? "..." : "", path);
-    if (self->rows.number) used += print_text(self->problem + used, (size_t)(room - used), ", row %d", self->rows.number);
+    const int room = PROBLEM_SIZE - 2;
+    int used = text_name_row(self->problem, PROBLEM_SIZE, about->noun, self->path, self->rows.number);
     used += print_text(self->problem + used, (size_t)(room - used), ": ");
     va_list arguments;
     va_start(arguments, format);
@@ -234,11 +230,8 @@ static bool read_all(record_reader *self) {
 }
 
 static bool refuse_path(record_reader *self, const char *why) {
-    const int length = (int)strlen(self->path);
-    const char *noun = MODEL.record_file->noun;
-    print_text(self->problem, PROBLEM_SIZE, "%c%s %s%s: %s. Give the path of a file that can be read.", toupper(*noun),
-               noun + 1, length > END_OF_PATH ? "..." : "", self->path + (length > END_OF_PATH ? length - END_OF_PATH : 0),
-               why);
+    const int used = text_name_row(self->problem, PROBLEM_SIZE, MODEL.record_file->noun, self->path, 0);
+    print_text(self->problem + used, (size_t)(PROBLEM_SIZE - used), ": %s. Give the path of a file that can be read.", why);
     return false;
 }
 

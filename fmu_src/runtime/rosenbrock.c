@@ -136,9 +136,13 @@ double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const ste
     return sqrt(sum / n);
 }
 
-double rosenbrock_try(kernel *self, double offset, double size) {
-    if (!rosenbrock_factorise(self, &RODAS5P, &self->work.factors, self->work.jacobian, size)) return NAN;
-    return rosenbrock_step(self, &RODAS5P, &self->work.factors, offset, size);
+const rosenbrock_tableau *rosenbrock_method(const kernel *self) {
+    return self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
+}
+
+double rosenbrock_try(kernel *self, const rosenbrock_tableau *method, double offset, double size) {
+    if (!rosenbrock_factorise(self, method, &self->work.factors, self->work.jacobian, size)) return NAN;
+    return rosenbrock_step(self, method, &self->work.factors, offset, size);
 }
 
 double rosenbrock_allowed_size(const rosenbrock_tableau *method, double size, double error) {

@@ -83,8 +83,5 @@ kernel_status step_end(kernel *self, unsigned long long noted, double size, doub
     }
     self->run.now->outputs_stale = self->reads_outputs_later;
     self->run.now->time = time + reached;
-    if (!self->run.now->ended) return status;
-    char when[TIME_TEXT];
-    return kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->run.now->ended - 1],
-                           time_text(self->run.now->time, 6, when));
+    return self->run.now->ended ? kernel_say_end(self, self->run.now->time) : status;
 }

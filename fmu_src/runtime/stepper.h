@@ -56,7 +56,6 @@ RUNTIME_LOCAL void stepper_take(kernel *self, stepper *run, double error);
 /* The same functions for steps of a fixed size. */
 RUNTIME_LOCAL void fixed_begin(kernel *self, stepper *run);
 RUNTIME_LOCAL void fixed_ask(kernel *self, stepper *run);
-RUNTIME_LOCAL double fixed_try(kernel *self, const stepper *run);
 RUNTIME_LOCAL void fixed_take(kernel *self, stepper *run, double error);
 RUNTIME_LOCAL double fixed_size(const kernel *self, double remaining);
 /* Fail with the message that a fixed step has no finite end. */

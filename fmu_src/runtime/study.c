@@ -31,16 +31,9 @@ kernel_status kernel_record(kernel *self, double time, double size, double inter
 }
 
 kernel_status kernel_linearise(kernel *self, double *state, double *slope, double *jacobian) {
-    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before its linearisation.", MODEL.name);
+    if (kernel_prepare(self, "its linearisation") != KERNEL_OK) return KERNEL_ERROR;
     const int n = self->system->states;
-    kernel_gather_inputs(self);
-    self->given.step_origin = self->run.now->time;
-    rosenbrock_linearise(self, 0.0, self->run.state);
-    char when[TIME_TEXT];
-    if (!algebraic_solve(self, 0.0, self->run.state, 0.0))
-        return kernel_fail(self, KERNEL_ERROR,
-                           "The algebraic equations have no solution near t = %s s; check inputs and parameters.",
-                           time_text(self->run.now->time, 9, when));
+    if (!algebraic_begin(self, 0.0, 0.0)) return KERNEL_ERROR;
     for (int i = 0; i < n; ++i) {
         state[i] = self->run.state[i];
         slope[i] = self->work.slope[i];

@@ -11,13 +11,7 @@
 #include "table_file.h"
 #include "text_rows.h"
 
-enum {
-    MOST_ROWS = 4000000,
-    FIRST_ROOM = 1024,
-    LONGEST_NAME = 60,
-    QUOTED = 40,
-    SHOWN_PATH = 120 /* bytes of a path that a message shows, the last ones */
-};
+enum { MOST_ROWS = 4000000, FIRST_ROOM = 1024, LONGEST_NAME = 60, QUOTED = 40 };
 
 /* A cell of each row: its place, and the column that it belongs to. */
 typedef struct {
@@ -40,11 +34,8 @@ typedef struct {
 /* Write a message with the file and, once one was read, the row and the column; return false. */
 static bool refuse_file(reader *self, const char *format, ...) LIKE_PRINTF(2);
 static bool refuse_file(reader *self, const char *format, ...) {
-    const int room = PROBLEM_SIZE - 2, length = (int)strlen(self->path), number = self->rows.number;
-    const char *noun = MODEL.table_file->noun, *dots = length > SHOWN_PATH ? "..." : "";
-    const char *path = self->path + (length > SHOWN_PATH ? length - SHOWN_PATH : 0);
-    int used = print_text(self->problem, (size_t)room, "%c%s %s%s", toupper(*noun), noun + 1, dots, path);
-    if (number) used += print_text(self->problem + used, (size_t)(room - used), ", row %d", number);
+    const int room = PROBLEM_SIZE - 2;
+    int used = text_name_row(self->problem, PROBLEM_SIZE, MODEL.table_file->noun, self->path, self->rows.number);
     if (self->in) used += print_text(self->problem + used, (size_t)(room - used), ", column %s", self->in);
     used += print_text(self->problem + used, (size_t)(room - used), ": ");
     va_list arguments;

@@ -1,13 +1,24 @@
 /* Rows of a user's text file and cells of a row: the C twin of readers/text.py and of `cells_of` in readers/tables.py. */
+#include <ctype.h>
 #include <string.h>
 
 #include "readable.h"
 #include "text_rows.h"
 
-enum { TEXT_ENDS = -1, TEXT_REFUSED = -2 }; /* instead of a character */
+enum {
+    TEXT_ENDS = -1, /* instead of a character */
+    TEXT_REFUSED = -2,
+    SHOWN_PATH = 120 /* bytes of a path that a message shows, the last ones */
+};
 
 static const unsigned long long LARGEST_TEXT = 1000000000ull; /* bytes */
 static const char MARK_OF_UTF8[] = "\xEF\xBB\xBF", NO_BREAK[] = "\xC2\xA0", NARROW_NO_BREAK[] = "\xE2\x80\xAF";
+
+int text_name_row(char *problem, size_t size, const char *noun, const char *path, int row) {
+    const size_t length = strlen(path), hidden = length > SHOWN_PATH ? length - SHOWN_PATH : 0;
+    const int used = print_text(problem, size, "%c%s %s%s", toupper(*noun), noun + 1, hidden ? "..." : "", path + hidden);
+    return row ? used + print_text(problem + used, size - (size_t)used, ", row %d", row) : used;
+}
 
 static int refuse_text(text_rows *self, const char *problem) {
     snprintf(self->problem, sizeof self->problem, "%s", problem);

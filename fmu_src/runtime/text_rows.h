@@ -28,6 +28,8 @@ typedef struct {
     char text[ROW_SIZE + 4]; /* of the row, UTF-8 */
 } text_rows;
 
+/* Begin a message with the file's noun, the end of its path, and a row (0: none); return its length. */
+RUNTIME_LOCAL int text_name_row(char *problem, size_t size, const char *noun, const char *path, int row);
 /* Begin a file: finds its encoding by its first bytes. */
 RUNTIME_LOCAL void text_rows_begin(text_rows *self, FILE *file);
 /* Read the next row with content. Empty rows and remarks are skipped. */

@@ -59,14 +59,11 @@ kernel_status kernel_check_value(kernel *self, const variable_description *varia
     if (!isfinite(value))
         return kernel_fail(self, KERNEL_ERROR, "%s must be a finite number; got %g. %g%s stays in force.", name, value, kept,
                            unit);
-    if (value < variable->minimum)
-        return kernel_fail(self, KERNEL_ERROR, "%s must be at least %g%s; got %g%s. %g%s stays in force%s", name,
-                           variable->minimum, unit, value, unit, kept, unit,
-                           likely_unit(variable, value, variable->minimum, other));
-    if (value > variable->maximum)
-        return kernel_fail(self, KERNEL_ERROR, "%s must be at most %g%s; got %g%s. %g%s stays in force%s", name,
-                           variable->maximum, unit, value, unit, kept, unit,
-                           likely_unit(variable, value, variable->minimum, other));
+    const bool below = value < variable->minimum;
+    if (below || value > variable->maximum)
+        return kernel_fail(self, KERNEL_ERROR, "%s must be at %s %g%s; got %g%s. %g%s stays in force%s", name,
+                           below ? "least" : "most", below ? variable->minimum : variable->maximum, unit, value, unit, kept,
+                           unit, likely_unit(variable, value, variable->minimum, other));
     return kernel_fail(self, KERNEL_ERROR, "%s must be an integer; got %g. %g stays in force.", name, value, kept);
 }
 

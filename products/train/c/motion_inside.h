@@ -4,7 +4,7 @@
 
 #include "motion.h"
 
-enum { MOTION_FOUND = 3, COUPLER_FOUND = 2 };
+enum { MOTION_FOUND = 3 };
 
 struct motion {
     long long int vehicles, stride;
