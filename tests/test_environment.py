@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from evidence.measuring.protected_throughput import LetAllGo
 from fmu_src.kernel import SimulationError
 from products.machine import CYLINDER_VOLUME, bogie, coach
 from products.protection.controller_kinds import Arrays
@@ -36,16 +36,6 @@ DRY, LOW = RAILS[0], RAILS[2]
 ROLLING = 5e-3
 #: Least memory of a vector of these rows [bytes], and how often one is created and released.
 ROWS, ROW, TIMES = 256, 30e3, 8
-
-
-class LetGo:
-    """A controller of many vehicles that releases wheelsets slower than the fastest one."""
-
-    def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
-        pass
-
-    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
-        return np.where(speeds < 0.8 * speeds.max(axis=1, keepdims=True), 2, 0)
 
 
 def slowly(random: np.random.Generator, wheelsets: int) -> Run:
@@ -78,13 +68,13 @@ def test_rewards_add_up_to_the_score_of_the_same_stop_on_the_rig() -> None:
         seen = own.observation
         speed, slips, since = seen[:, 5], seen[:, 7:9], seen[:, 4]
         outside += goes_on & (since > 0) & (speed > ABOVE) & (slips > BAND).any(axis=1)
-        own.turn(LetGo().step(since, seen[:, :2]))
+        own.turn(LetAllGo().step(since, seen[:, :2]))
         total += own.reward
         assert np.all(own.reward <= 0.0)
         goes_on &= ~(own.terminated | own.truncated)
         steps += 1
     stops = [own.stop(row) for row in range(8)]
-    assert Rig(bogie(), Arrays(LetGo()), with_pause, step=step).runs(own.runs) == stops
+    assert Rig(bogie(), Arrays(LetAllGo()), with_pause, step=step).runs(own.runs) == stops
     machine = bogie()
     for row, stop in enumerate(stops):
         rolls = rolling_stop(machine, with_pause, own.runs[row].speed or 0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import time as clock
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -25,7 +25,6 @@ from products.bogie import FULL_PRESSURE, brake_values
 from products.machine import APPLICATION_TIME, RELEASE_TIME, Machine, bogie, coach
 from products.protection import controller_kinds as forms_module
 from products.protection.controller_kinds import Arrays, Form, compiled
-from products.protection.encoder import Encoder
 from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.programme import OWN, Case, read_programme
 from products.protection.rails import ABOVE, JERK_TIME, RAILS
@@ -36,6 +35,7 @@ from products.protection.settings import BRAKE_START, STANDING, Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.track.line import line_of, straight
 from scenarios.bench.coupled_machine import CoupledMachine
+from tests.encoder import Encoder
 from tests.fmu.sanitized import SANITIZERS, run
 
 #: Largest error of a reading without jitter, at 100 teeth above 3 m/s.
@@ -60,14 +60,15 @@ def in_c(tmp_path: Path, text: str = SOURCE, share: float = SHARE) -> Form:
 # ---- controllers -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
-def test_all_forms_of_a_controller_make_the_same_stop(machine: Machine, tmp_path: Path) -> None:
+def test_all_forms_of_a_controller_make_the_same_stop(machine: Machine, by_flow: bool, tmp_path: Path) -> None:
     rails = [rail.values(len(machine.numbers)) for rail in (RAILS if len(machine.numbers) == 2 else RAILS[2:])]
     forms = (LetGo, Arrays(LetAllGo()), in_c(tmp_path))
-    found = [Rig(machine, form, Settings()).stops(rails) for form in forms]
+    found = [Rig(machine, form, Settings(), by_flow=by_flow).stops(rails) for form in forms]
     assert found[0] == found[1] == found[2]
-    assert all(stop.distance for stop in found[0])
-    other = Rig(machine, in_c(tmp_path, share=0.81), Settings()).stops(rails)
+    assert all(stop.distance and bool(stop.lowest_reservoir) == by_flow for stop in found[0])
+    other = Rig(machine, in_c(tmp_path, share=0.81), Settings(), by_flow=by_flow).stops(rails)
     assert other[-2].distance != found[0][-2].distance
 
 
@@ -115,15 +116,6 @@ def test_runs_that_wait_are_those_that_run_alone(tmp_path: Path, monkeypatch: py
 
 
 # ---- brakes by flow of air -------------------------------------------------------------------------------------------
-
-
-def test_all_forms_make_the_same_stop_by_flow_of_air(tmp_path: Path) -> None:
-    rails = [rail.values() for rail in RAILS]
-    forms = (LetGo, Arrays(LetAllGo()), in_c(tmp_path))
-    found = [Rig(bogie(), form, Settings(), by_flow=True).stops(rails) for form in forms]
-    assert found[0] == found[1] == found[2]
-    timed = Rig(bogie(), forms[2], Settings()).stops(rails)
-    assert all(one.lowest_reservoir and two.lowest_reservoir is None for one, two in zip(found[0], timed, strict=True))
 
 
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
@@ -179,11 +171,6 @@ def test_stops_in_space_are_those_in_the_plane(machine: Machine, tmp_path: Path)
         plane, space = (Rig(machine, given, Settings(), by_flow=True, level=level).stops(rails) for level in (2, 3))
         for one, other in zip(plane, space, strict=True):
             assert other.distance == pytest.approx(one.distance, rel=band)
-
-
-def test_another_level_is_refused() -> None:
-    with pytest.raises(ValueError, match=re.escape("level must be 2 (planar) or 3 (3D) on the test rig;")):
-        Rig(bogie(), None, Settings(), level=1)
 
 
 # ---- scores ----------------------------------------------------------------------------------------------------------
@@ -295,26 +282,37 @@ def test_runs_of_machines_with_other_equipment_keep_their_places(tmp_path: Path)
         assert together == [Rig(bogie(), form, Settings(), by_flow=True).runs([run])[0] for run in runs]
 
 
+def ran(run: Run, level: int = 2) -> None:
+    Rig(bogie(), None, Settings(), level=level).runs([run])
+
+
 @pytest.mark.parametrize(
-    ("equipment", "sentence"),
+    ("call", "sentence"),
     [
-        (("disc",), "Equipment must be one of discs, dynamic brake, sanders, traction; got 'disc'."),
+        (lambda: ran(Run({}), 1), "level must be 2 (planar) or 3 (3D) on the test rig;"),
+        (lambda: ran(Run({"friction_11": 0.1})), "This machine has no friction_11; did you mean friction_1?"),
+        (lambda: ran(Run({}, equipment=("discs",))), "A vehicle with discs must have cylinders filled by flow of air"),
         (
-            ("discs", "traction"),
+            lambda: Run({}, equipment=("disc",)),
+            "Equipment must be one of discs, dynamic brake, sanders, traction; got 'disc'.",
+        ),
+        (
+            lambda: Run({}, equipment=("discs", "traction")),
             "A vehicle with traction must have no discs and no dynamic brake: its run does not brake.",
+        ),
+        (lambda: Fault(1, sensor="blind"), "sensor must be one of stuck, zero, doubled; got 'blind'."),
+        (lambda: Fault(1, radius=3.0), "radius must be 0.5 to 2 times the true one; got 3.0."),
+        (lambda: Fault(0, sensor="zero"), "wheelset must be an integer of at least 1; got 0."),
+        (lambda: Fault(1, sensor_from=3.0), "This fault has no effect; give it a sensor,"),
+        (
+            lambda: ran(Run(LOW.values(), faults=(Fault(3, radius=1.1),))),
+            "The wheelset of a fault must be from 1 to 2; got 3.",
         ),
     ],
 )
-def test_equipment_that_cannot_be_is_refused(equipment: tuple[str, ...], sentence: str) -> None:
+def test_runs_that_cannot_be_are_refused_in_a_sentence(call: Callable[[], object], sentence: str) -> None:
     with pytest.raises(ValueError, match=re.escape(sentence)):
-        Run({}, equipment=equipment)
-
-
-def test_what_a_machine_has_not_is_told() -> None:
-    with pytest.raises(ValueError, match=r"This machine has no friction_11; did you mean friction_1\?"):
-        Rig(bogie(), None, Settings()).runs([Run({"friction_11": 0.1})])
-    with pytest.raises(ValueError, match="A vehicle with discs must have cylinders filled by flow of air"):
-        Rig(bogie(), None, Settings()).runs([Run({}, equipment=("discs",))])
+        call()
 
 
 # ---- what fails in the machine ---------------------------------------------------------------------------------------
@@ -370,25 +368,6 @@ def test_a_valve_that_sticks_stays_where_it_stands() -> None:
     assert later.distance is None
 
 
-@pytest.mark.parametrize(
-    ("fault", "sentence"),
-    [
-        ({"wheelset": 1, "sensor": "blind"}, "sensor must be one of stuck, zero, doubled; got 'blind'."),
-        ({"wheelset": 1, "radius": 3.0}, "radius must be 0.5 to 2 times the true one; got 3.0."),
-        ({"wheelset": 0, "sensor": "zero"}, "wheelset must be an integer of at least 1; got 0."),
-        ({"wheelset": 1, "sensor_from": 3.0}, "This fault has no effect; give it a sensor,"),
-    ],
-)
-def test_faults_that_cannot_be_are_refused(fault: dict[str, Any], sentence: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(sentence)):
-        Fault(**fault)
-
-
-def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:
-    with pytest.raises(ValueError, match=re.escape("The wheelset of a fault must be from 1 to 2; got 3.")):
-        Rig(bogie(), None, Settings()).runs([Run(LOW.values(), faults=(Fault(3, radius=1.1),))])
-
-
 class Venting:
     """Vents the first wheelset for 3 s and for 2 s, the other one for 2 s, then holds it and vents it for 2.5 s."""
 
@@ -432,49 +411,53 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
         third.run(bogie())
 
 
+#: A case that can be run.
+CASE = '[[case]]\nname = "a"\nrail = "dry"\n'
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
         ("", "has no [[case]]; give it one for each stop."),
         ("[[case]\n", "must be TOML; got a fault"),
-        ('[[case]]\nname = "a"\nrail = "dry"\n[[cases]]\n', "there is no [cases]; call each stop [[case]]."),
-        ('[[case]]\nrail = "dry"\n', "give a name, as in name = "),
-        ('[[case]]\nname = "a"\nrail = "dry"\nequipment = ["sanders"]\n', "sanders without sand have no effect; set"),
+        (CASE + "[[cases]]", "there is no [cases]; call each stop [[case]]."),
+        ('[[case]]\nrail = "dry"', "give a name, as in name = "),
+        (CASE + 'equipment = ["sanders"]', "sanders without sand have no effect; set"),
         (
-            '[[case]]\nname = "a"\n',
+            '[[case]]\nname = "a"',
             "case 1 (a): rail must be one of dry, wet, low, slippery, extremely_low, very_low; got nothing.",
         ),
-        ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; did you mean speed?"),
-        ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h; got 3mph."),
-        ('[[case]]\nname = "a"\nrail = "dry"\nbrake_ratio = 0\n', "brake_ratio must be above 0 and at most 5; got 0."),
+        (CASE + "speeed = 3", "case 1 (a): there is no speeed; did you mean speed?"),
+        (CASE + 'speed = "3mph"', "as 25m/s or 160km/h; got 3mph."),
+        (CASE + "brake_ratio = 0", "brake_ratio must be above 0 and at most 5; got 0."),
         (
-            '[[case]]\nname = "a"\nrail = "dry"\nload = 9\n',
+            CASE + "load = 9",
             "load must be 0.2 to 5 times the mass of the body;",
         ),
-        ('[[case]]\nname = "a"\nrail = "dry"\nfriction = 2\n', "friction must be above 0 and at most 1; got 2."),
-        ('[[case]]\nname = "a"\nrail = "dry"\nfault = [{}]\n', "a fault needs the number of its wheelset."),
-        ('[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheel = 1 }]\n', "a fault has no wheel; give some of"),
-        ('[[case]]\nname = "a"\nrail = "dry"\nvalues = [1]\n', "give values names, as in values = { gradient"),
+        (CASE + "friction = 2", "friction must be above 0 and at most 1; got 2."),
+        (CASE + "fault = [{}]", "a fault needs the number of its wheelset."),
+        (CASE + "fault = [{ wheel = 1 }]", "a fault has no wheel; give some of"),
+        (CASE + "values = [1]", "give values names, as in values = { gradient"),
         (
-            '[[case]]\nname = "a"\nrail = "dry"\nvalues = { gradient = "up" }\n',
+            CASE + 'values = { gradient = "up" }',
             "gradient must be a number; got 'up'.",
         ),
-        ('[[case]]\nname = "a"\nrail = "dry"\nfriction = "low"\n', "friction must be a number; got 'low'."),
-        ('[[case]]\nname = "a"\nrail = "dry"\nbrake_ratio = true\n', "brake_ratio must be a number; got true."),
+        (CASE + 'friction = "low"', "friction must be a number; got 'low'."),
+        (CASE + "brake_ratio = true", "brake_ratio must be a number; got true."),
         (
-            '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1.5, radius = 1.1 }]\n',
+            CASE + "fault = [{ wheelset = 1.5, radius = 1.1 }]",
             "wheelset must be an integer of at least 1; got 1.5.",
         ),
         (
-            '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1, sensor = "zero", sensor_from = "6s" }]\n',
+            CASE + 'fault = [{ wheelset = 1, sensor = "zero", sensor_from = "6s" }]',
             "sensor_from must be a number; got '6s'.",
         ),
         (
-            '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1, valve_from = nan }]\n',
+            CASE + "fault = [{ wheelset = 1, valve_from = nan }]",
             "must have finite numbers; got nan.",
         ),
-        ('[[case]]\nname = "a"\nrail = "dry"\nfault = [3]\n', "give fault a list, [{ wheelset = 1, sensor = ... }]."),
-        (2 * '[[case]]\nname = "a"\nrail = "dry"\n', "2 of [[case]] are called a; give each its own name."),
+        (CASE + "fault = [3]", "give fault a list, [{ wheelset = 1, sensor = ... }]."),
+        (2 * CASE, "2 of [[case]] are called a; give each its own name."),
     ],
 )
 def test_programmes_that_cannot_be_are_refused_in_a_sentence(text: str, sentence: str, tmp_path: Path) -> None:
@@ -495,40 +478,15 @@ class Raises(LetGo):
         return super().step(time, speeds)
 
 
-class TooFew(LetGo):
-    def step(self, time: float, speeds: list[float]) -> list[int]:
-        return [0]
-
-
 class Writes(LetAllGo):
     def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
         speeds[:] = 0.0
         return super().step(time, speeds)
 
 
-class NoNumbers(LetAllGo):
-    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
-        return np.full(speeds.shape, math.nan)  # type: ignore[return-value]
-
-
-class Flat(LetAllGo):
-    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
-        return np.zeros(len(speeds), int)
-
-
-class Truths(LetGo):
-    def step(self, time: float, speeds: list[float]) -> list[int]:
-        return [True] * len(speeds)
-
-
-class Forgets(LetGo):
-    def step(self, time: float, speeds: list[float]) -> list[int]:
-        return None  # type: ignore[return-value]
-
-
-class ManyTruths(LetAllGo):
-    def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
-        return np.ones(speeds.shape, bool)  # type: ignore[return-value]
+def gives(answer: object, base: type = LetGo) -> Any:
+    """Return a class of controllers that always give this answer."""
+    return type("Gives", (base,), {"step": lambda self, time, speeds: answer})
 
 
 NONSENSE = SOURCE.replace("? WHEEL_SLIDE_VENT", "? 7")
@@ -538,16 +496,19 @@ BEYOND_MEMORY = SOURCE.replace("double fastest = 0.0;", f"double fastest = 0.0;\
 BEYOND_VALVES = SOURCE.replace("double fastest = 0.0;", f"double fastest = 0.0;\n    {LATE} valve[9] = 0;")
 
 
+TOO_FEW = gives([0])
+
+
 def failing(tmp_path: Path) -> Iterator[tuple[str, Form]]:
     yield "RuntimeError: broken", Raises
-    yield r"gave \[0\] at", TooFew
+    yield r"gave \[0\] at", TOO_FEW
     yield "read-only", Arrays(Writes())
-    yield r"gave \[nan, nan\] at", Arrays(NoNumbers())
-    yield r"must have the shape \(1, 2\)", Arrays(Flat())
+    yield r"gave \[nan, nan\] at", Arrays(gives(np.full((1, 2), math.nan), LetAllGo)())
+    yield r"must have the shape \(1, 2\)", Arrays(gives(np.zeros(1, int), LetAllGo)())
     yield "gave 7 for valve", in_c(tmp_path, NONSENSE, 0.9)
-    yield r"gave \[True, True\] at", Truths
-    yield r"gave \[\] at", Forgets
-    yield r"gave \[True, True\] at", Arrays(ManyTruths())
+    yield r"gave \[True, True\] at", gives([True, True])
+    yield r"gave \[\] at", gives(None)
+    yield r"gave \[True, True\] at", Arrays(gives(np.ones((1, 2), bool), LetAllGo)())
     yield "wrote behind its memory", in_c(tmp_path, BEYOND_MEMORY, 0.91)
     yield "or behind its 2 valves at 3.005 s", in_c(tmp_path, BEYOND_VALVES, 0.92)
 
@@ -562,7 +523,7 @@ def test_a_controller_that_fails_leaves_the_brake_applied(tmp_path: Path) -> Non
         assert re.search(words, stop.message), stop.message
         assert stop.message.endswith("the brake stays applied.")
         assert stop.end_speed < 0.02
-        if form is TooFew:
+        if form is TOO_FEW:
             assert (stop.time, stop.longest_lock) == (unprotected.time, unprotected.longest_lock)
 
 
@@ -813,17 +774,10 @@ def test_a_machine_that_does_not_stop_says_so() -> None:
     assert stop.over(100.0) is None
 
 
-class NeverBrakes:
-    """Vent all cylinders from the first step on."""
-
-    def step(self, time: float, speeds: Sequence[float]) -> list[int]:
-        return [2] * len(speeds)
-
-
 def test_a_run_that_never_stops_keeps_its_speed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("products.protection.rig.LONGEST", 20.0)
     for by_flow in (False, True):
-        [stop] = Rig(bogie(), NeverBrakes, Settings(), by_flow=by_flow).stops([LOW.values()])
+        [stop] = Rig(bogie(), gives([2, 2]), Settings(), by_flow=by_flow).stops([LOW.values()])
         assert stop.distance is None
         assert stop.end_speed == pytest.approx(25.0, abs=1e-9)
         assert stop.words == f"It did not stop: {stop.end_speed:.1f} m/s after 20 s"

@@ -38,7 +38,7 @@ from bogie_braking.controllers.options import add_draws, add_settings, plan_of, 
 from bogie_braking.controllers.page import page
 from bogie_braking.controllers.picture import draw
 from bogie_braking.controllers.scoring import compare
-from bogie_braking.controllers.table import document, drawn, lines, write_document
+from bogie_braking.controllers.table import document, drawn, lines, show, write_document
 from bogie_braking.reporting.plots import plt
 from products.machine import TRACTION
 from products.protection.rails import RAILS
@@ -82,10 +82,7 @@ def run(chosen: argparse.Namespace) -> bool:
     plt.close(figure)
     if chosen.html:
         write_whole(folder / "compare.html", page(machine.title, machine, settings, scores, draws).encode())
-    if chosen.json:
-        print(text, end="")
-    elif not chosen.quiet:
-        table = [*verdict.lines(found), "", *lines(machine.title, settings, scores, draws)]
-        places = [f"Page: {folder / 'compare.html'}"] if chosen.html else []
-        print("\n".join([*table, "", f"Picture: {folder / 'compare.png'}", *places]))
+    table = [*verdict.lines(found), "", *lines(machine.title, settings, scores, draws)]
+    places = [f"Page: {folder / 'compare.html'}"] if chosen.html else []
+    show(chosen, text, [*table, "", f"Picture: {folder / 'compare.png'}", *places])
     return all(score.stop.distance is not None for score in scores)

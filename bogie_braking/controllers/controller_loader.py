@@ -19,7 +19,7 @@ from fmu_src.archive import ArchiveError
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.opening import description_of
 from products.protection.controller_kinds import Arrays, Form, InC, compiled
-from products.protection.in_fmu import InFmu, Names, names_of
+from products.protection.in_fmu import InFmu, Names
 from products.protection.own_process import Apart
 from products.protection.rig_in_c import slide_protection
 from readers.text import FileError
@@ -81,7 +81,10 @@ def fmu_names(path: Path, wheelsets: int) -> Names:
             if own not in (0, wheelsets):
                 words = f"give one for the {wheelsets} of this machine, as build_fmu.py --wheelsets {wheelsets} makes"
                 raise BadInputError(f"{path} is for {own} wheelsets; {words}.")
-            return names_of(about, wheelsets)
+            speeds, valves = (
+                tuple(f"{name}_{n}" for n in range(1, wheelsets + 1)) for name in ("wheel_speed", "valve")
+            )
+            return Names(speeds, valves, "period" if "period" in about else "")
         read = toml_of(table)
         values = tuple((name, float(value)) for name, value in read.get("values", {}).items())
         return Names(tuple(read["wheel_speed"]), tuple(read["valve"]), read.get("period", ""), values)

@@ -25,7 +25,7 @@ import numpy as np
 from bogie_braking.controllers.options import add_case, rigged
 from bogie_braking.controllers.remote import Counts, Remote
 from bogie_braking.controllers.scoring import Scored, ideal_distance, runs_of
-from bogie_braking.controllers.table import document, lines, write_document
+from bogie_braking.controllers.table import document, lines, show, write_document
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.scenario import BadInputError
 from brake_controller.rig.udp_client import HOST, PORT
@@ -68,10 +68,7 @@ def run(chosen: argparse.Namespace) -> bool:
     score = Scored(chosen.rail, "client", found.stop, machine.parameters.wheel_radius, ideal, None, run.driven)
     about = document(machine.title, settings, [score]) | {"loop": loop_document(found)}
     text = write_document(chosen.out / "controllers" / "loop.json", about)
-    if chosen.json:
-        print(text, end="")
-    elif not chosen.quiet:
-        print("\n".join([*lines(machine.title, settings, [score]), "", *messages(found)]))
+    show(chosen, text, [*lines(machine.title, settings, [score]), "", *messages(found)])
     return found.holds
 
 

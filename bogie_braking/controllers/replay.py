@@ -27,7 +27,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bogie_braking.controllers.controller_loader import Given, controller_of
-from bogie_braking.controllers.table import write_document
+from bogie_braking.controllers.table import show, write_document
 from bogie_braking.reporting.plots import FOUR, one_word, plt, titled
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.scenario import BadInputError
@@ -139,10 +139,7 @@ def run(chosen: argparse.Namespace) -> bool:
     figure = draw(found)
     figure.savefig(folder / "replay.png")
     plt.close(figure)
-    if chosen.json:
-        print(text, end="")
-    elif not chosen.quiet:
-        print("\n".join([*lines(chosen.log, found, period), "", f"Picture: {folder / 'replay.png'}"]))
+    show(chosen, text, [*lines(chosen.log, found, period), "", f"Picture: {folder / 'replay.png'}"])
     return not found.message
 
 

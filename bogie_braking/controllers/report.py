@@ -42,7 +42,7 @@ from bogie_braking.controllers.report_document import (
 from bogie_braking.controllers.report_page import report_page
 from bogie_braking.controllers.report_text import lines, undecided_note
 from bogie_braking.controllers.scoring import Plan
-from bogie_braking.controllers.table import about, drawn, write_document
+from bogie_braking.controllers.table import about, drawn, show, write_document
 from bogie_braking.reporting.scenario import BadInputError
 from products.machine import MACHINES, TRACTION
 from products.protection.criteria import CRITERIA, Criterion, check_scopes, read_criteria
@@ -89,11 +89,8 @@ def run(chosen: argparse.Namespace) -> bool:
     text = write_document(folder / "report.json", document)
     if page:
         write_whole(folder / "report.html", page.encode())
-    if chosen.json:
-        print(text, end="")
-    elif not chosen.quiet:
-        places = [f"Page: {folder / 'report.html'}"] if page else []
-        print("\n".join([*shown, "", f"Report: {folder / 'report.json'}", *places]))
+    places = [f"Page: {folder / 'report.html'}"] if page else []
+    show(chosen, text, [*shown, "", f"Report: {folder / 'report.json'}", *places])
     return bool(document["verdict"] == ACCEPTED)
 
 

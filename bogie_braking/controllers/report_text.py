@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from bogie_braking.controllers.acceptance import (
     ACCEPTED,
@@ -56,9 +56,16 @@ def headline(name: str, found: Sequence[Finding], criteria: Sequence[Criterion])
 
 def worse(one: Finding, other: Finding | None, criterion: Criterion | None) -> bool:
     """Return whether a finding is worse than another of the same criterion."""
-    if other is None or one.value is None or other.value is None or criterion is None:
+    if other is None or one.value is None or other.value is None:
         return other is None
-    return (one.value > other.value) == criterion.at_most and one.value != other.value
+    return excess(one, criterion) > excess(other, criterion)
+
+
+def excess(one: Finding, criterion: Criterion | None) -> float:
+    """Return by how much a value is beyond its limit; 0 without either."""
+    if criterion is None or one.value is None:
+        return 0.0
+    return (one.value - criterion.limit) * (1.0 if criterion.at_most else -1.0)
 
 
 def described(one: Finding, criterion: Criterion | None) -> str:
@@ -116,9 +123,8 @@ def criteria_rows(found: Sequence[Finding], criteria: Sequence[Criterion]) -> li
     for criterion in (None, *criteria):
         name = criterion.name if criterion else STOPS
         own = [one for one in found if one.criterion == name]
-        worst = own[0]
-        for one in own[1:]:
-            worst = one if worst.value is None or worse(one, worst, criterion) else worst
+        valued = [one for one in own if one.value is not None] or own
+        worst = max(valued, key=lambda one: excess(one, criterion))
         counts = [sum(one.verdict == which for one in own) for which in (FAILS, UNDECIDED)]
         value, half = ("-", "-") if criterion is None else cells_of(worst)
         where = "-" if criterion is None or worst.value is None else worst.case
@@ -143,20 +149,16 @@ def failed_rows(found: Sequence[Finding], criteria: Sequence[Criterion]) -> list
     """Return the findings that do not pass as rows: criterion by criterion, failures first, the worst of them first."""
     limits, rows = {one.name: one for one in criteria}, list[tuple[str, ...]]()
     names = [STOPS, *limits]
-    for one in sorted(found, key=lambda one: (names.index(one.criterion), one.verdict != FAILS, -excess(one, limits))):
+
+    def place(one: Finding) -> tuple[int, bool, float]:
+        return names.index(one.criterion), one.verdict != FAILS, -excess(one, limits.get(one.criterion))
+
+    for one in sorted(found, key=place):
         if one.verdict != PASSES and one.reason != NO_STOP:
             value, half = cells_of(one) if one.criterion in limits else ("-", "-")
             verdict = f"{one.verdict} ({one.reason.removesuffix('.')})" if one.reason else one.verdict
             rows.append((one.case, one.criterion, value, half, limit_of(limits.get(one.criterion)), verdict))
     return rows
-
-
-def excess(one: Finding, limits: Mapping[str, Criterion]) -> float:
-    """Return by how much a value is beyond its limit; 0 without either."""
-    criterion = limits.get(one.criterion)
-    if criterion is None or one.value is None:
-        return 0.0
-    return (one.value - criterion.limit) * (1.0 if criterion.at_most else -1.0)
 
 
 def undecided_note(found: Sequence[Finding], most: int) -> str:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -181,38 +182,33 @@ def sliding_cases(scores: Sequence[Scored]) -> list[str]:
     return [case for case in cases if case in slid] or cases
 
 
+#: Values of a stop that are means over draws, and those of the worst draw.
+MEANS, LARGEST = ("end_speed", "time", "share_in_band", "air"), ("longest_lock", "longest_skid", "jerk", "longest_vent")
+
+
 def together(stops: Sequence[Stop]) -> Stop:
     """Return the stops of one case, one for each draw, as one.
 
     Distances, times, shares, air and energy are means; locks and skids the longest, the reservoir's pressure the
     lowest. The distance is None if one is missing, and `judged` is False if one is.
     """
-    first = stops[0]
-    if len(stops) == 1:
+    first, count = stops[0], len(stops)
+    if count == 1:
         return first
-
-    def mean(name: str) -> float:
-        return sum(getattr(one, name) for one in stops) / len(stops)
-
     distances = [one.distance for one in stops if one.distance is not None]
     reservoirs = [one.lowest_reservoir for one in stops if one.lowest_reservoir is not None]
-    messages = [f"{one.message} (draw {number} of {len(stops)})" for number, one in enumerate(stops, 1) if one.message]
+    messages = [f"{one.message} (draw {number} of {count})" for number, one in enumerate(stops, 1) if one.message]
+    values: dict[str, Any] = {name: sum(getattr(one, name) for one in stops) / count for name in MEANS}
+    values |= {name: max(getattr(one, name) for one in stops) for name in LARGEST}
     return replace(
         first,
-        distance=sum(distances) / len(stops) if len(distances) == len(stops) else None,
-        end_speed=mean("end_speed"),
-        time=mean("time"),
-        longest_lock=max(one.longest_lock for one in stops),
-        longest_skid=max(one.longest_skid for one in stops),
-        share_in_band=mean("share_in_band"),
-        air=mean("air"),
-        sliding=tuple(sum(wheelset) / len(stops) for wheelset in zip(*(one.sliding for one in stops), strict=True)),
-        lowest_reservoir=min(reservoirs) if reservoirs else None,
+        **values,
+        distance=sum(distances) / count if len(distances) == count else None,
+        sliding=tuple(sum(wheelset) / count for wheelset in zip(*(one.sliding for one in stops), strict=True)),
+        lowest_reservoir=min(reservoirs, default=None),
+        commands=round(sum(one.commands for one in stops) / count),
         message=messages[0] if messages else "",
         judged=all(one.judged for one in stops),
-        commands=round(mean("commands")),
-        jerk=max(one.jerk for one in stops),
-        longest_vent=max(one.longest_vent for one in stops),
     )
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -146,6 +147,14 @@ def runs_document(scores: Sequence[Scored]) -> list[dict[str, object]]:
         | {"tread_energy": one.tread_energy, "flat": one.flat}
         for one in scores
     ]
+
+
+def show(chosen: argparse.Namespace, text: str, lines: Iterable[str]) -> None:
+    """Print a document with --json, nothing with --quiet, and the lines otherwise."""
+    if chosen.json:
+        print(text, end="")
+    elif not chosen.quiet:
+        print("\n".join(lines))
 
 
 def write_document(path: Path, about: Mapping[str, object]) -> str:

@@ -21,7 +21,7 @@ typedef struct {
     bool asks; /* whether a controller at the desk is to answer what was seen */
     encoder *sensor;
     rig_wheelset *wheelset;
-    double *error, *locked, *skid, *pressure, *vented, *seen; /* locked, vented: samples in a row */
+    double *seen, *locked, *skid, *pressure, *vented, *error; /* one array; locked, vented: samples in a row */
     int *valve;
     void *memory;
 } rig_run;
@@ -55,16 +55,16 @@ rig *rig_create(long long int rows, const rig_settings *settings, const rig_cont
         rig_run *one = &self->run[row];
         one->sensor = (encoder *)room(n, sizeof *one->sensor);
         one->wheelset = (rig_wheelset *)room(n, sizeof *one->wheelset);
-        one->seen = (double *)room(n, sizeof(double));
-        one->error = (double *)room(n * (size_t)settings->encoder.pulses, sizeof(double));
-        one->locked = (double *)room(n, sizeof(double));
-        one->skid = (double *)room(n, sizeof(double));
-        one->pressure = (double *)room(n, sizeof(double));
-        one->vented = (double *)room(n, sizeof(double));
+        one->seen = (double *)room(n * (size_t)(5 + settings->encoder.pulses), sizeof(double));
         one->valve = (int *)room(n, sizeof(int));
         one->memory = room(1, controller->size + GUARD);
-        whole = one->sensor && one->wheelset && one->seen && one->error && one->locked && one->skid && one->pressure &&
-                one->vented && one->valve && one->memory;
+        whole = one->sensor && one->wheelset && one->seen && one->valve && one->memory;
+        if (!whole) break;
+        one->locked = one->seen + n;
+        one->skid = one->locked + n;
+        one->pressure = one->skid + n;
+        one->vented = one->pressure + n;
+        one->error = one->vented + n;
     }
     if (whole) return self;
     rig_free(self);
@@ -77,11 +77,6 @@ void rig_free(rig *self) {
         free(one->sensor);
         free(one->wheelset);
         free(one->seen);
-        free(one->error);
-        free(one->locked);
-        free(one->skid);
-        free(one->pressure);
-        free(one->vented);
         free(one->valve);
         free(one->memory);
     }

@@ -70,7 +70,6 @@ class Environment:
         n = len(machine.numbers)
         self._names = [f"friction_{number}" for number in machine.numbers] + list(PATCH)
         self._rail = np.zeros((count, len(self._names)))
-        self._first = {one.name: one.start for one in self._rig.model.variables}
         self.limits = self._limits(n)
 
     def _limits(self, n: int) -> Numbers:
@@ -93,7 +92,7 @@ class Environment:
             values = self._rig.values(run)
             self._instances.reset(row, **values)
             self.runs[row] = run
-            self._rail[row] = [values.get(name, self._first[name]) for name in self._names]
+            self._rail[row] = [values.get(name, self._rig.first[name]) for name in self._names]
             brake_ratio = self.settings.brake_ratio if run.brake_ratio is None else run.brake_ratio
             rolling = rolling_stop(
                 self.machine, replace(self.settings, brake_ratio=brake_ratio), values["initial_speed"]

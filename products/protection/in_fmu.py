@@ -80,10 +80,3 @@ class InstanceOfFmu:
         self._slave.set(**speeds)
         self._slave.step(time, period)
         return [int(one) if one == int(one) else -1 for one in self._slave.get(names.valve)]
-
-
-def names_of(about: Sequence[str], wheelsets: int) -> Names:
-    """The names of this project's FMUs, the period if it is there. about: names of all variables."""
-    numbers = range(1, wheelsets + 1)
-    speeds, valves = (tuple(f"{name}_{number}" for number in numbers) for name in ("wheel_speed", "valve"))
-    return Names(speeds, valves, "period" if "period" in about else "")

@@ -149,42 +149,37 @@ def called_apart(function: Callable[..., Result], *arguments: object) -> Result:
 
 def _heard(target: Callable[..., None], arguments: tuple[object, ...], limits: Limits) -> Iterator[Any]:
     """Yield the messages of a target in a separate process. Raises EndedError, NoControllerError, SimulationError."""
-    with TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # files of a process that was killed
-        yield from _told(target, arguments, limits, folder)
-
-
-def _told(target: Callable[..., None], arguments: tuple[object, ...], limits: Limits, folder: str) -> Iterator[Any]:
-    """Yield the same; folder: for the temporary files of the process."""
-    context = get_context("spawn")
+    context, ends = get_context("spawn"), False
     here, there = context.Pipe(duplex=False)
-    child = context.Process(target=_tell, args=(there, folder, target, arguments, limits.used), daemon=True)
-    child.start()
-    there.close()
-    waits = limits.beginning
-    while True:
-        if not here.poll(waits):
-            child.kill()
-            child.join()
-            raise SilentProcessError(f"gave no answer within {waits:g} s of wall time")
-        waits = limits.guard
+    with TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # files of a process that was killed
+        child = context.Process(target=_tell, args=(there, folder, target, arguments, limits.used), daemon=True)
+        child.start()
+        there.close()
         try:
-            kind, heard = here.recv()
+            waits = limits.beginning
+            while here.poll(waits):
+                waits = limits.guard
+                kind, heard = here.recv()
+                if kind == GIVEN:
+                    yield heard
+                    continue
+                if kind == LATE:
+                    raise EndedError(f"used more than {limits.used:g} s of processor time without an answer")
+                ends = True
+                if kind == REFUSED:
+                    raise NoControllerError(heard)
+                if kind == FAILED:
+                    raise SimulationError(heard, ERROR)
+                return
+            raise SilentProcessError(f"gave no answer within {waits:g} s of wall time")
         except EOFError:
+            ends = True
             child.join()
             raise EndedError(f"ended its process ({_end_of(child.exitcode)})") from None
-        if kind == GIVEN:
-            yield heard
-            continue
-        if kind == LATE:
-            child.kill()
+        finally:
+            if not ends:
+                child.kill()
             child.join()
-            raise EndedError(f"used more than {limits.used:g} s of processor time without an answer")
-        child.join()
-        if kind == REFUSED:
-            raise NoControllerError(heard)
-        if kind == FAILED:
-            raise SimulationError(heard, ERROR)
-        return
 
 
 def _end_of(code: int | None) -> str:

@@ -22,21 +22,6 @@ from rbd_model.levels.resistance import curve_share
 from rbd_model.track.line import Line
 
 
-def load_of(machine: Machine, values: Mapping[str, float]) -> float:
-    """Return the load of the vehicle [kg]: the mass of its counted body among these values, less its own mass."""
-    name = f"{machine.counted}_mass"
-    empty = machine.parameters.values()[name]
-    return values.get(name, empty) - empty
-
-
-def held_back(rail: Mapping[str, float]) -> float:
-    """Return the share of the weight that a gradient and a curve (rbd_model/levels/resistance.py) add to the braking
-    force.
-    """
-    curve = float(ca.evalf(curve_share(ca.SX(abs(rail.get("curvature", 0.0))))))
-    return math.sin(math.atan(rail.get("gradient", 0.0))) + rail.get("curve_resistance", 0.0) * curve
-
-
 class PeakAdhesion:
     """Largest deceleration that a rail allows, from a vehicle's own equations: the creep force at its best slip.
 
@@ -59,7 +44,9 @@ class PeakAdhesion:
         line: Line | None = None,
     ) -> None:
         self.filling, self.equipment = filling or filling_by_flow(machine.full_pressure), equipment
-        self.load = load_of(machine, rail)
+        body, empty = f"{machine.counted}_mass", machine.parameters.values()
+        #: Load of the vehicle [kg]: the mass of its counted body less its own mass.
+        self.load = rail.get(body, empty[body]) - empty[body]
         self.mass, self.turning_mass = machine.mass + self.load, machine.turning_mass(self.load)
         self.line, self.rail = line, rail
         self.driven = TRACTION in equipment
@@ -80,9 +67,13 @@ class PeakAdhesion:
     def held_back(self, distance: float, speed: float) -> float:
         """Return the deceleration by gradient, curve and running resistance (Davis) at a place and a speed [m/s2]."""
         a, b, c = (self.values[f"davis_{name}"] for name in ("constant", "linear", "quadratic"))
-        there = {} if self.line is None else {n: float(self.line.value(n, distance)) for n in ("gradient", "curvature")}
-        runs = (a + b * speed + c * speed**2) / self.mass
-        return self.machine.parameters.gravity * held_back({**self.rail, **there}) + runs
+        runs, gravity = (a + b * speed + c * speed**2) / self.mass, self.machine.parameters.gravity
+        gradient, curvature = (
+            self.rail.get(name, 0.0) if self.line is None else float(self.line.value(name, distance))
+            for name in ("gradient", "curvature")
+        )
+        curve = float(ca.evalf(curve_share(ca.SX(abs(curvature)))))
+        return gravity * (math.sin(math.atan(gradient)) + self.rail.get("curve_resistance", 0.0) * curve) + runs
 
     def at(self, distance: float, speed: float, slip: float) -> float:
         """Return the deceleration [m/s2] with all wheelsets at a slip ratio and loads at rest; driven, the

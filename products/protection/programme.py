@@ -24,19 +24,11 @@ OWN = PROGRAMMES["full"]
 SPEEDS = {"m/s": 1.0, "km/h": 1 / 3.6, "": 1.0}
 SPEED = re.compile(r"(\d{1,9}(?:\.\d{0,9})?|\.\d{1,9}) ?(m/s|km/h|)", re.ASCII)
 KNOWN = (
-    "name",
-    "group",
-    "source",
-    "rail",
-    "friction",
-    "speed",
-    "brake_ratio",
-    "load",
-    "values",
-    "fault",
-    "equipment",
-    "line",
+    *("name", "group", "source", "rail", "friction", "speed"),
+    *("brake_ratio", "load", "values", "fault", "equipment", "line"),
 )
+#: Upper limits of numbers above 0 [1].
+MOST = {"brake_ratio": MOST_BRAKE_RATIO, "friction": 1.0}
 #: Limits of the ratio of a body's loaded mass to its own mass [1].
 LOADS = (0.2, 5.0)
 
@@ -178,13 +170,10 @@ def _case(table: Mapping[str, Any], folder: Path) -> Case:
     rail = table.get("rail")
     if not isinstance(rail, str) or rail not in CONDITIONS:
         raise ValueError(f"rail must be one of {', '.join(CONDITIONS)}; got {shown(rail or 'nothing')}.")
-    brake_ratio, friction = (
-        number_of(name, table[name]) if name in table else None for name in ("brake_ratio", "friction")
-    )
-    if brake_ratio is not None and not 0.0 < brake_ratio <= MOST_BRAKE_RATIO:
-        raise ValueError(f"brake_ratio must be above 0 and at most {MOST_BRAKE_RATIO:g}; got {brake_ratio:g}.")
-    if friction is not None and not 0.0 < friction <= 1.0:
-        raise ValueError(f"friction must be above 0 and at most 1; got {friction:g}.")
+    numbers = {name: number_of(name, table[name]) for name in MOST if name in table}
+    for name, number in numbers.items():
+        if not 0.0 < number <= MOST[name]:
+            raise ValueError(f"{name} must be above 0 and at most {MOST[name]:g}; got {number:g}.")
     load = number_of("load", table.get("load", 1.0))
     if not LOADS[0] <= load <= LOADS[1]:
         raise ValueError(f"load must be {LOADS[0]:g} to {LOADS[1]:g} times the mass of the body; got {load:g}.")
@@ -201,29 +190,24 @@ def _case(table: Mapping[str, Any], folder: Path) -> Case:
         raise ValueError(f"give equipment a list of names, some of {', '.join(EQUIPMENT)}.")
     if SANDERS in equipment and not any(name.startswith("sand_rate_") and value for name, value in values):
         raise ValueError("sanders without sand have no effect; set sand_rate_1 or another [kg/s] in values.")
-    line_file = _line_file(table["line"], folder) if "line" in table else None
+    name = table.get("line", "")
+    if "line" in table and not (isinstance(name, str) and name):
+        raise ValueError(f"line must be the path of a line file (docs/line.md); got {shown(name)}.")
+    line_file = folder / name if name else None
     return Case(
         table["name"],
-        table["rail"],
-        friction,
-        speed,
-        brake_ratio,
-        load,
-        values,
-        faults,
-        in_order(equipment),
-        None if line_file is None else read_line(line_file),
-        words_in(table, "group", ""),
-        words_in(table, "source", "assumed"),
-        line_file,
+        rail,
+        speed=speed,
+        load=load,
+        values=values,
+        faults=faults,
+        equipment=in_order(equipment),
+        line=None if line_file is None else read_line(line_file),
+        group=words_in(table, "group", ""),
+        source=words_in(table, "source", "assumed"),
+        line_file=line_file,
+        **numbers,
     )
-
-
-def _line_file(name: object, folder: Path) -> Path:
-    """Return the path of a line that a case names, relative to the folder of its case file."""
-    if not isinstance(name, str) or not name:
-        raise ValueError(f"line must be the path of a line file (docs/line.md); got {shown(name)}.")
-    return folder / name
 
 
 def _fault(table: Mapping[str, Any]) -> Fault:

@@ -10,7 +10,7 @@ import ctypes
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic
@@ -96,58 +96,43 @@ class Beginning:
     errors: NDArray[np.float64] | None
 
 
+@dataclass(eq=False)
 class Rig:
     """Many stops at once of one vehicle under one controller.
 
-    Parameters
-    ----------
-    machine : Machine
-        Vehicle with its brakes.
-    form : Form
-        Controller.
-    settings : Settings
-        Settings of the test rig.
-    by_flow : bool
-        Fill cylinders by flow of air from a reservoir of limited volume, through valves with switching times.
-    level : int
-        2: planar model, 3: 3D model, which costs 4 to 5 times as much.
-    step : float
-        Integration step [s], of which a period is a multiple; 0: adaptive step size.
-    threads : int, optional
-        Number of threads; by default the number of processors.
-    equipment : iterable of str
-        Additional equipment of the vehicle, as in `Run`. A vehicle with traction has no cylinders, and starts instead
-        of stopping.
-    line : Line, optional
-        Line of all runs of this rig. `runs` takes that of each run.
+    by_flow: cylinders fill by flow of air from a reservoir of limited volume, through valves with switching times.
+    level: 2: planar model, 3: 3D model, which costs 4 to 5 times as much. step: of the integration [s], of which a
+    period is a multiple; 0: adaptive. threads: by default the number of processors. equipment: of all runs, in addition
+    to that of each; a vehicle with traction has no cylinders, and starts instead of stopping. line: of all runs that
+    have none.
     """
 
-    def __init__(
-        self,
-        machine: Machine,
-        form: Form,
-        settings: Settings,
-        *,
-        by_flow: bool = False,
-        level: int = 2,
-        step: float = 0.0,
-        threads: int | None = None,
-        equipment: Iterable[str] = (),
-        line: Line | None = None,
-    ) -> None:
-        self.form, self.settings, self.equipment, self.line = form, settings, in_order(equipment), line
+    machine: Machine
+    form: Form
+    settings: Settings
+    _: KW_ONLY
+    by_flow: bool = False
+    level: int = 2
+    step: float = 0.0
+    threads: int | None = None
+    equipment: Iterable[str] = ()
+    line: Line | None = None
+
+    def __post_init__(self) -> None:
+        self.equipment = in_order(self.equipment)
         self.driven = TRACTION in self.equipment
-        self._asked: dict[str, Any] = {"by_flow": by_flow, "level": level, "step": step, "threads": threads}
-        self.by_flow, self._level, self._step, self._threads = by_flow and not self.driven, level, step, threads
-        self.machine = replace(machine, by_flow=self.by_flow, equipment=self.equipment)
+        self.has_reservoir = self.by_flow and not self.driven
+        self.machine = replace(self.machine, by_flow=self.has_reservoir, equipment=self.equipment)
         self._call = rig_in_c.functions()
-        self.model = machine_model(self.machine, level, line is not None)
-        n, demand = machine.numbers, "traction_demand" if self.driven else "pressure_demand"
+        self.model = machine_model(self.machine, self.level, self.line is not None)
+        #: Start values of all variables.
+        self.first = {one.name: one.start for one in self.model.variables}
+        n, demand = self.machine.numbers, "traction_demand" if self.driven else "pressure_demand"
         self._inputs = [f"{name}_{number}" for name in (demand, "valve") for number in n]
         effort = "traction_torque" if self.driven else "cylinder_pressure"
         of_each = ("rotation", "angular_velocity", effort, "creep_force", "axle_load")
         self._outputs = ["speed", "distance", *(f"{name}_{number}" for name in of_each for number in n)]
-        self._outputs += ["air_taken", "reservoir_pressure"] if self.by_flow else []
+        self._outputs += ["air_taken", "reservoir_pressure"] if self.has_reservoir else []
 
     def stops(self, rails: Sequence[Mapping[str, float]]) -> list[Stop]:
         """Run a stop on each rail (inputs and parameters of the vehicle); return the stops in their order."""
@@ -161,7 +146,7 @@ class Rig:
         kinds = [self._kind(run) for run in runs]
         stops: list[Stop | None] = [None] * len(runs)
         for kind in dict.fromkeys(kinds):
-            rig = self if kind == (self.equipment, self.line) else self._with(*kind)
+            rig = self if kind == (self.equipment, self.line) else replace(self, equipment=kind[0], line=kind[1])
             places = [place for place, own in enumerate(kinds) if own == kind]
             found = rig._alike([runs[place] for place in places], goes_on, every)
             for place, stop in zip(places, found, strict=True):
@@ -172,10 +157,6 @@ class Rig:
         """Return the equipment and the line of a run."""
         return in_order({*self.equipment, *run.equipment}), run.line or self.line
 
-    def _with(self, equipment: Iterable[str], line: Line | None) -> Rig:
-        """Return the same rig with other equipment, or on another line."""
-        return Rig(self.machine, self.form, self.settings, equipment=equipment, line=line, **self._asked)
-
     def _alike(self, runs: Sequence[Run], goes_on: Callable[[], None], every: float) -> list[Stop]:
         """Return a stop for each run with the rig's own equipment and line."""
         samples = max(1, round(every / self.settings.period)) if every else 0
@@ -184,11 +165,10 @@ class Rig:
         own = [self.values(run) for run in runs]
         beginnings = [self.beginning(run) for run in runs]
         names = sorted({name for one in own for name in one})
-        first = {variable.name: variable.start for variable in self.model.variables}
         for name in names:
-            if name not in first:
-                raise ValueError(f"This machine has no {name}; {suggestion(name, first)}")
-        values = [{name: one.get(name, first[name]) for name in names} for one in own]
+            if name not in self.first:
+                raise ValueError(f"This machine has no {name}; {suggestion(name, self.first)}")
+        values = [{name: one.get(name, self.first[name]) for name in names} for one in own]
         start: dict[str, Any] = {name: [one[name] for one in values[:count]] for name in names}
         with (
             self.instances(count, start) as instances,
@@ -205,16 +185,16 @@ class Rig:
     def prepare(self, runs: Sequence[Run]) -> None:
         """Compile, or load, the equations of these runs."""
         for equipment, on_line in {(kind, line is not None) for kind, line in map(self._kind, runs)}:
-            machine_library(self._with(equipment, None).machine, self._level, on_line)
+            machine_library(replace(self, equipment=equipment, line=None).machine, self.level, on_line)
 
     def instances(self, count: int, start: Mapping[str, Any]) -> Instances:
         """Return `count` instances with these initial values, one number for all or one for each."""
-        library = machine_library(self.machine, self._level, self.line is not None)
+        library = machine_library(self.machine, self.level, self.line is not None)
         with ExitStack() as kept:  # an instance that begins again reads the line again
             path = None
             if self.line is not None:
                 path = str(self.line.write(Path(kept.enter_context(TemporaryDirectory())) / "line.csv"))
-            made = Instances(library, count, self._inputs, self._outputs, threads=self._threads, path=path, **start)
+            made = Instances(library, count, self._inputs, self._outputs, threads=self.threads, path=path, **start)
             made.at_close = kept.pop_all().close
         return made
 
@@ -274,9 +254,9 @@ class Rig:
         """Return the initial values and parameters of a run."""
         s = self.settings
         brake_ratio = s.brake_ratio if run.brake_ratio is None else run.brake_ratio
-        first = {one.name: one.start for one in self.model.variables}
-        fixed = {"integration_method": 2.0, "integration_step": self._step} if self._step else {}
-        fixed |= own_values(self.machine, self._level, self.line is not None)
+        first = self.first
+        fixed = {"integration_method": 2.0, "integration_step": self.step} if self.step else {}
+        fixed |= own_values(self.machine, self.level, self.line is not None)
         if self.driven:
             motor = {name: brake_ratio * first[name] for name in ("motor_torque", "motor_power")}
             return {"initial_speed": START_SPEED, **fixed, **motor, **run.values}
@@ -287,7 +267,7 @@ class Rig:
         }
         if DYNAMIC_BRAKE in self.equipment:
             brake |= {"torque_per_pressure": brake_ratio * first["torque_per_pressure"]}
-        if self.by_flow:
+        if self.has_reservoir:
             air = cylinder_air(self.machine.full_pressure, s.application_time)
             brake |= {"application_orifice": air.application_orifice}
         else:
@@ -311,7 +291,7 @@ class Loop:
         self.in_c = form is None or isinstance(form, InC)
         controller = form.functions(self.wheelsets) if isinstance(form, InC) else FunctionsInC()
         self.bytes = int(controller.size)
-        settings = rig_in_c.Settings(
+        settings = rig_in_c.RigSettings(
             self.wheelsets,
             machine.parameters.wheel_radius,
             s.period,
@@ -322,7 +302,7 @@ class Loop:
             JERK_TIME,
             BAND,
             ABOVE,
-            int(rig.by_flow),
+            int(rig.has_reservoir),
             int(rig.driven),
             rig_in_c.SensorSettings(s.pulses, GATE, TIMER, LOWEST_FREQUENCY),
         )
@@ -484,7 +464,7 @@ class Loop:
 
     def stop(self, row: int) -> Stop:
         """Return the result of the run in a row."""
-        one, by_flow, driven = self.score[row], self.rig.by_flow, self.rig.driven
+        one, by_flow, driven = self.score[row], self.rig.has_reservoir, self.rig.driven
         message = self.messages.get(row, "") or self._failure(one)
         stands = one["state"] == DONE and math.isnan(one["failed_at"])
         distance = float(one["distance"])

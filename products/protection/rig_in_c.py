@@ -27,7 +27,7 @@ class SensorSettings(ctypes.Structure):
     )
 
 
-class Settings(ctypes.Structure):
+class RigSettings(ctypes.Structure):
     """A `rig_settings`."""
 
     _fields_ = (
@@ -116,7 +116,7 @@ def functions() -> ctypes.CDLL:
     found = loaded(library())
     pointer, count = ctypes.c_void_p, ctypes.c_longlong
     signatures: dict[str, tuple[Any, list[Any]]] = {
-        "rig_create": (pointer, [count, *map(ctypes.POINTER, (Settings, FunctionsInC, Desk))]),
+        "rig_create": (pointer, [count, *map(ctypes.POINTER, (RigSettings, FunctionsInC, Desk))]),
         "rig_free": (None, [pointer]),
         "rig_begin": (None, [pointer, count, ctypes.c_double, pointer, pointer]),
         "rig_scores": (pointer, [pointer]),

@@ -82,38 +82,15 @@ class Run:
 class Stop:
     """Result of a run.
 
-    Attributes
-    ----------
-    distance : float or None
-        Distance [m]. None if the vehicle did not stop, did not reach its speed under traction, or if its controller
-        failed.
-    end_speed, time : float
-        Speed [m/s] and time [s] at the end.
-    longest_lock : float
-        Longest locking time above the speed at which locks count [s]. With traction: of a wheelset that turns at more
-        than twice the speed.
-    longest_skid : float
-        Longest distance of a locked wheelset at any speed [m].
-    share_in_band : float
-        Share of the braked time with all slips in the slip band.
-    air : float
-        Air that all cylinders used [kg].
-    sliding : tuple of float
-        Energy of sliding between the wheels of each wheelset and the rails [J].
-    lowest_reservoir : float or None
-        Lowest pressure of the reservoir [Pa]; None without a reservoir.
-    commands : int
-        Number of commands other than apply.
-    message : str
-        Message.
-    judged : bool
-        False if the controller gave no answer for long and is therefore not evaluated.
-    history : History or None
-        The history, if recorded.
-    jerk : float
-        Largest jerk of the deceleration above 3 m/s, behind two lags of JERK_TIME of rails.py [m/s3].
-    longest_vent : float
-        Longest time for which a valve stayed at vent [s].
+    distance [m]: None if the vehicle did not stop, did not reach its speed under traction, or if its controller failed.
+    end_speed, time: at the end [m/s], [s]. longest_lock: longest locking time above the speed at which locks count [s];
+    with traction, of a wheelset that turns at more than twice the speed. longest_skid: longest distance of a locked
+    wheelset at any speed [m]. share_in_band: share of the braked time with all slips in the slip band. air: that all
+    cylinders used [kg]. sliding: energy between the wheels of each wheelset and the rails [J]. lowest_reservoir:
+    pressure [Pa]; None without a reservoir. commands: number of commands other than apply. judged: False if the
+    controller gave no answer for long and is therefore not evaluated. history: if recorded. jerk: largest jerk of the
+    deceleration above 3 m/s, behind two lags of JERK_TIME of rails.py [m/s3]. longest_vent: longest time for which a
+    valve stayed at vent [s].
     """
 
     distance: float | None

@@ -31,25 +31,10 @@ STANDING = 0.02
 class Settings:
     """Settings of a stop of the test rig.
 
-    Parameters
-    ----------
-    speed : float
-        Initial speed [m/s], above 0.
-    brake_ratio : float
-        Torque over that of the full service brake.
-    application_time : float
-        Time to 95 % of the torque [s].
-    period : float
-        Time between two calls of the controller [s].
-    pulses : int
-        Pulses of each speed sensor in a revolution.
-    jitter : float
-        Standard deviation of the pulses' places, as a share of the pitch.
-
-    Raises
-    ------
-    ValueError
-        If a value is out of its limits.
+    speed: at the start [m/s], above 0. brake_ratio: torque over that of the full service brake. application_time: to
+    95 % of the torque [s]. period: between two calls of the controller [s]. pulses: of each speed sensor in a
+    revolution. jitter: standard deviation of the pulses' places, as a share of the pitch. Raises ValueError if a value
+    is out of its limits.
     """
 
     speed: float = 25.0

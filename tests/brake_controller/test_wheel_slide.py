@@ -13,13 +13,14 @@ import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
+from typing import Any
 
 import pytest
 
 from brake_controller.slide_protection import common_protection
 from brake_controller.wheel_slide import APPLY, HOLD, VENT, ControllerError, NotJudgedError, Supervised
-from products.protection.encoder import Encoder
 from products.protection.slide_protection import SlideProtection
+from tests.encoder import Encoder
 
 PERIOD = 5e-3
 #: Deceleration of a wheelset at full brake without a rail: 20 kN.m over its inertia, times the radius [m/s2].
@@ -190,25 +191,19 @@ def commands_of_a_rolling_stop(
     return count
 
 
-@pytest.mark.parametrize("slows", [0.5, 1.2, 2.2, 3.0, 4.0])
-def test_wheels_that_roll_are_left_alone_at_any_deceleration(slows: float) -> None:
-    assert commands_of_a_rolling_stop(25.0, slows) == 0
-
-
-@pytest.mark.parametrize("teeth", TEETH)
-@pytest.mark.parametrize("period", [5e-3, 2e-2])
-def test_wheels_that_roll_are_left_alone_by_any_sensor(teeth: int, period: float) -> None:
-    assert commands_of_a_rolling_stop(25.0, 2.2, teeth, jitter=0.1, period=period) == 0
-
-
-@pytest.mark.parametrize(("speed", "period"), [(10.0, 2e-3), (40.0, 2e-2), (60.0, 1e-2)])
-def test_wheels_that_roll_are_left_alone_from_any_speed_at_any_period(speed: float, period: float) -> None:
-    assert commands_of_a_rolling_stop(speed, 3.0, period=period) == 0
-
-
-@pytest.mark.parametrize("error", [-0.01, 0.01])
-def test_wheels_of_different_radii_are_left_alone(error: float) -> None:
-    assert commands_of_a_rolling_stop(40.0, 2.2, jitter=0.1, error=error) == 0
+@pytest.mark.parametrize(
+    "given",
+    [
+        *({"slows": slows} for slows in (0.5, 1.2, 2.2, 3.0, 4.0)),
+        *({"teeth": teeth, "jitter": 0.1, "period": period} for teeth in TEETH for period in (5e-3, 2e-2)),
+        *({"speed": v, "slows": 3.0, "period": period} for v, period in ((10.0, 2e-3), (40.0, 2e-2), (60.0, 1e-2))),
+        *({"speed": 40.0, "jitter": 0.1, "error": error} for error in (-0.01, 0.01)),
+    ],
+    ids=str,
+)
+def test_wheels_that_roll_are_left_alone(given: dict[str, Any]) -> None:
+    """At any deceleration, by any sensor, from any speed at any period, with wheels of different radii."""
+    assert commands_of_a_rolling_stop(**{"speed": 25.0, "slows": 2.2, **given}) == 0
 
 
 @pytest.mark.long

@@ -13,8 +13,8 @@ import build_fmu
 from brake_controller.sensors import LOWEST_FREQUENCY
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.building import write_in_c
-from products.protection.encoder import Encoder
 from products.protection.sensor_fmu import sensor_fmu
+from tests.encoder import Encoder
 
 PERIOD, RADIUS = 5e-3, 0.5
 

@@ -13,9 +13,9 @@ from brake_controller.wheel_slide import APPLY, VENT
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from products.machine import FULL_PRESSURE
-from products.protection.encoder import Encoder
 from products.protection.slide_protection import SlideProtection
 from rbd_model.vehicle.description import size_of
+from tests.encoder import Encoder
 
 #: LEAVES (distance ahead and length [m], friction [1]) and RESTS [m/s] of the page.
 AHEAD, LENGTH, LEAVES, RESTS = 25.0, 100.0, 0.05, 0.01

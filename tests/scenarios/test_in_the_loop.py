@@ -292,9 +292,3 @@ def test_a_client_whose_rig_is_gone_says_so(own: socket.socket, monkeypatch: pyt
 def test_a_client_answers_nothing_that_is_no_question(packet: bytes) -> None:
     assert answer_to(packet, LetGo()) is None
     assert not is_end(packet)
-
-
-@pytest.mark.parametrize(("language", "name"), [("c", "udp_client.c"), ("python", "udp_client.py")])
-def test_clients_are_printed(language: str, name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["controllers", "client", language]) == 0
-    assert capsys.readouterr().out == (RIG / name).read_text(encoding="utf-8")
