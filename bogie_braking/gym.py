@@ -27,7 +27,7 @@ from bogie_braking.protection import settings_from
 from brake_controller.wheel_slide import COMMANDS
 from products.machine import MACHINES
 from products.protection.draws import drawn_run
-from products.protection.environment import Draw, Environment
+from products.protection.environment import DrawsRun, Environment
 from products.protection.runs import Fault as Fault
 from products.protection.runs import Run as Run
 from products.protection.runs import Stop
@@ -37,7 +37,7 @@ Numbers = np.ndarray
 
 
 def made(
-    vehicle: str, count: int, rails: Draw, privileged: bool, threads: int | None, settings: dict[str, float]
+    vehicle: str, count: int, rails: DrawsRun, privileged: bool, threads: int | None, settings: dict[str, float]
 ) -> Environment:
     """Return `count` environments.
 
@@ -85,7 +85,7 @@ class WheelSlide(gymnasium.Env[Numbers, Numbers]):
     metadata = {"render_modes": []}
 
     def __init__(
-        self, vehicle: str = "bogie", rails: Draw = drawn_run, privileged: bool = False, **settings: float
+        self, vehicle: str = "bogie", rails: DrawsRun = drawn_run, privileged: bool = False, **settings: float
     ) -> None:
         self._of = made(vehicle, 1, rails, privileged, 1, settings)
         self.observation_space, self.action_space = spaces(self._of)
@@ -149,7 +149,7 @@ class WheelSlideVector(VectorEnv[Numbers, Numbers, Numbers]):
         self,
         num_envs: int = 1,
         vehicle: str = "bogie",
-        rails: Draw = drawn_run,
+        rails: DrawsRun = drawn_run,
         privileged: bool = False,
         threads: int | None = None,
         **settings: float,

@@ -59,8 +59,8 @@ class Words:
     unit: str
 
 
-STOPS = Words("stops", "stop", "no stop", "stopping distance", "the pressure of its cylinder", "kPa")
-STARTS = Words("arrives", "arrive", "no arrival", "distance to the speed", "the torque of its motor", "kN.m")
+STOP_WORDS = Words("stops", "stop", "no stop", "stopping distance", "the pressure of its cylinder", "kPa")
+START_WORDS = Words("arrives", "arrive", "no arrival", "distance to the speed", "the torque of its motor", "kN.m")
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class Scored:
     @property
     def words(self) -> Words:
         """Return the words for its end."""
-        return STARTS if self.driven else STOPS
+        return START_WORDS if self.driven else STOP_WORDS
 
     @cached_property
     def distances(self) -> Sample | None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from bogie_braking.controllers.controller_loader import ALWAYS
 from bogie_braking.controllers.estimate import LEVEL, Estimate, Sample, across, less
-from bogie_braking.controllers.scoring import LOOKS, STOPS, Scored, Words, slid_cases, sliding_cases
+from bogie_braking.controllers.scoring import LOOKS, STOP_WORDS, Scored, Words, slid_cases, sliding_cases
 from bogie_braking.controllers.table import half
 from bogie_braking.reporting.text_table import text_table
 from products.protection.rails import LONGEST_LOCK
@@ -83,7 +83,7 @@ class Verdict:
     harm: Harm | None
     longest_lock: float
     air: float
-    words: Words = STOPS
+    words: Words = STOP_WORDS
     not_judged: int = 0
     sliding: int = 0
 

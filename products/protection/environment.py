@@ -15,14 +15,14 @@ from brake_controller.wheel_slide import APPLY, VENT
 from products.machine import Machine
 from products.protection.controller_kinds import Outside
 from products.protection.cost import cost, cost_of_no_stop, rolling_stop
-from products.protection.rig import Loop, Rig, commands_of
+from products.protection.rig import Loop, Rig, as_commands
 from products.protection.rig_in_c import LOST, RUNS, TOO_LONG
 from products.protection.runs import Run, Stop
 from products.protection.settings import BRAKE_START, FASTEST, LONGEST, Settings
 
 Numbers = NDArray[np.float64]
 #: Draws a stop of a vehicle with this number of wheelsets.
-Draw = Callable[[np.random.Generator, int], Run]
+DrawsRun = Callable[[np.random.Generator, int], Run]
 #: Largest ratio of a sensor's reading to the true speed: a failure doubles it, a wrong radius does, and teeth have
 #: errors.
 TOO_FAST = 5.0
@@ -51,7 +51,7 @@ class Environment:
         machine: Machine,
         settings: Settings,
         count: int,
-        draw: Draw,
+        draw: DrawsRun,
         privileged: bool = False,
         threads: int | None = None,
         step: float | None = None,
@@ -120,7 +120,7 @@ class Environment:
         given = np.asarray(commands)
         if given.shape != self._loop.valves.shape:
             raise ValueError(f"commands must have the shape {self._loop.valves.shape}; got {given.shape}.")
-        taken, good = commands_of(given)
+        taken, good = as_commands(given)
         if not good.all():
             row = int(np.argmin(good))
             raise ValueError(

@@ -75,7 +75,7 @@ def not_asked(who: str) -> NotJudgedError:
     return NotJudgedError(f"{who} gave no answer in {SILENCES} runs; it was not asked again and is not judged here.")
 
 
-def commands_of(answer: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
+def as_commands(answer: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
     """Return an answer of shape (rows, wheelsets) as commands, and a mask of rows that contain only 0, 1 and 2."""
     if answer.dtype.kind not in "iuf":
         return np.zeros(answer.shape, np.int32), np.zeros(len(answer), bool)
@@ -98,24 +98,23 @@ class Beginning:
 
 @dataclass(eq=False)
 class Rig:
-    """Many stops at once of one vehicle under one controller.
-
-    by_flow: cylinders fill by flow of air from a reservoir of limited volume, through valves with switching times.
-    level: 2: planar model, 3: 3D model, which costs 4 to 5 times as much. step: of the integration [s], of which a
-    period is a multiple; 0: adaptive. threads: by default the number of processors. equipment: of all runs, in addition
-    to that of each; a vehicle with traction has no cylinders, and starts instead of stopping. line: of all runs that
-    have none.
-    """
+    """Many stops at once of one vehicle under one controller."""
 
     machine: Machine
     form: Form
     settings: Settings
     _: KW_ONLY
+    #: True if cylinders fill by flow of air from a reservoir of limited volume, through valves with switching times.
     by_flow: bool = False
+    #: 2: planar model; 3: 3D model, which costs 4 to 5 times as much.
     level: int = 2
+    #: Integration step [s], of which a period is a multiple; 0: adaptive step size.
     step: float = 0.0
+    #: Number of threads; by default the number of processors.
     threads: int | None = None
+    #: Equipment of all runs. A vehicle with traction has no cylinders, and starts instead of stopping.
     equipment: Iterable[str] = ()
+    #: Line of all runs that have none of their own.
     line: Line | None = None
 
     def __post_init__(self) -> None:
@@ -411,7 +410,7 @@ class Loop:
 
     def _take_all(self, answer: NDArray[np.integer]) -> None:
         """Apply the commands of all rows, except rows with values other than 0, 1 and 2."""
-        commands, good = commands_of(answer)
+        commands, good = as_commands(answer)
         self.valves[good] = commands[good]
         for row in np.flatnonzero(~good & (self.score["state"] == RUNS)).tolist():
             words = (

@@ -80,33 +80,36 @@ class Run:
 
 @dataclass(frozen=True)
 class Stop:
-    """Result of a run.
+    """Result of a run."""
 
-    distance [m]: None if the vehicle did not stop, did not reach its speed under traction, or if its controller failed.
-    end_speed, time: at the end [m/s], [s]. longest_lock: longest locking time above the speed at which locks count [s];
-    with traction, of a wheelset that turns at more than twice the speed. longest_skid: longest distance of a locked
-    wheelset at any speed [m]. share_in_band: share of the braked time with all slips in the slip band. air: that all
-    cylinders used [kg]. sliding: energy between the wheels of each wheelset and the rails [J]. lowest_reservoir:
-    pressure [Pa]; None without a reservoir. commands: number of commands other than apply. judged: False if the
-    controller gave no answer for long and is therefore not evaluated. history: if recorded. jerk: largest jerk of the
-    deceleration above 3 m/s, behind two lags of JERK_TIME of rails.py [m/s3]. longest_vent: longest time for which a
-    valve stayed at vent [s].
-    """
-
+    #: Distance [m]; None if the vehicle did not stop, did not reach its speed under traction, or its controller failed.
     distance: float | None
+    #: Speed [m/s] and time [s] at the end.
     end_speed: float
     time: float
+    #: Longest locking time above the speed at which locks count [s]. With traction: of a wheelset that turns at more
+    #: than twice the speed.
     longest_lock: float
+    #: Longest distance of a locked wheelset at any speed [m].
     longest_skid: float
+    #: Share of the braked time with all slips in the slip band.
     share_in_band: float
+    #: Air that all cylinders used [kg].
     air: float
+    #: Energy of sliding between the wheels of each wheelset and the rails [J].
     sliding: tuple[float, ...]
+    #: Lowest pressure of the reservoir [Pa]; None without a reservoir.
     lowest_reservoir: float | None
+    #: Number of commands other than apply.
     commands: int
     message: str
+    #: False if the controller gave no answer for long and is therefore not evaluated.
     judged: bool = True
+    #: The history, if recorded.
     history: History | None = field(default=None, compare=False, repr=False)
+    #: Largest jerk of the deceleration above 3 m/s, behind two lags of JERK_TIME of rails.py [m/s3].
     jerk: float = 0.0
+    #: Longest time for which a valve stayed at vent [s].
     longest_vent: float = 0.0
 
     @property

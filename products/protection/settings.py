@@ -29,18 +29,16 @@ STANDING = 0.02
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of a stop of the test rig.
+    """Settings of a stop of the test rig. Raises ValueError if a value is out of its limits."""
 
-    speed: at the start [m/s], above 0. brake_ratio: torque over that of the full service brake. application_time: to
-    95 % of the torque [s]. period: between two calls of the controller [s]. pulses: of each speed sensor in a
-    revolution. jitter: standard deviation of the pulses' places, as a share of the pitch. Raises ValueError if a value
-    is out of its limits.
-    """
-
+    #: Initial speed [m/s], above 0.
     speed: float = 25.0
+    #: Torque over that of the full service brake, and time to 95 % of it [s].
     brake_ratio: float = 1.0
     application_time: float = APPLICATION_TIME
+    #: Time between two calls of the controller [s].
     period: float = 5e-3
+    #: Pulses of each speed sensor in a revolution, and standard deviation of their places as a share of the pitch.
     pulses: int = TEETH
     jitter: float = 0.0
 

@@ -21,14 +21,12 @@ LARGEST_SPREAD = 0.5
 
 @dataclass(frozen=True)
 class Spread:
-    """Spreads between the stops of a case; all numbers are assumed.
+    """Spreads between the stops of a case; all numbers are assumed. Raises ValueError beyond the limits."""
 
-    friction, load: half widths of the uniform spreads of the rail's friction and of the body's mass, as shares [1].
-    jitter: standard deviation of the teeth's places, as a share of the pitch [1]. Raises ValueError beyond the limits.
-    """
-
+    #: Half widths of the uniform spreads of the rail's friction and of the body's mass, as shares [1].
     friction: float = 0.03
     load: float = 0.02
+    #: Standard deviation of the teeth's places, as a share of the pitch [1].
     jitter: float = 0.02
 
     def __post_init__(self) -> None:
