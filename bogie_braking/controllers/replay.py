@@ -21,6 +21,7 @@ import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +37,7 @@ from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.wheel_slide import APPLY, COMMANDS, HOLD, VENT, ControllerError, Supervised
 from fmu_src.cosimulation.measured import table_from
 from fmu_src.cosimulation.recording import Recording
-from products.protection.controller_kinds import Form, single
+from products.protection.controller_kinds import single
 from products.protection.own_process import Apart, EndedError, NoControllerError, called_apart
 from products.protection.settings import LONGEST_PERIOD
 from readers.command_line import quantity
@@ -128,7 +129,8 @@ def run(chosen: argparse.Namespace) -> bool:
         print(*log.messages, sep="\n", end="\n" * bool(log.messages), file=sys.stderr)
     name, controller = controller_of(chosen.controller, wheelsets_in(log))
     try:
-        found = replayed(log, name, controller, period)
+        call = partial(called_apart, replay) if isinstance(controller, Apart) else replay
+        found: Replayed = call(log, name, controller, period)
     except NoControllerError as error:
         raise BadInputError(f"{name} is no controller ({error}); give one.") from None
     except EndedError as error:
@@ -186,25 +188,11 @@ def speeds_of(count: int) -> list[str]:
     return [f"wheel_speed_{number}" for number in range(1, count + 1)]
 
 
-def replayed(log: Recording, name: str, controller: Given, period: float | None) -> Replayed:
-    """Replay as `replay`, in a separate process if the controller needs one. Raises EndedError, NoControllerError."""
-    if isinstance(controller, Apart):
-        return called_apart(replay_of, log, name, controller, period)
-    return replay(log, name, controller, period)
-
-
-def replay_of(log: Recording, name: str, controller: Apart, period: float | None) -> Replayed:
-    """Replay as `replay`, with a controller that is made here. Raises NoControllerError."""
-    asked = period or float(np.median(np.diff(log["time"])))
-    return replay(log, name, controller.made(wheelsets_in(log), asked), period)
-
-
-def replay(log: Recording, name: str, form: Form, period: float | None) -> Replayed:
-    """Return the commands of a new controller in a recorded run.
-
-    Takes period [s].
-    """
+def replay(log: Recording, name: str, form: Given, period: float | None) -> Replayed:
+    """Return the commands of a new controller in a recorded run, every `period` [s]. Raises NoControllerError."""
     count = wheelsets_in(log)
+    if isinstance(form, Apart):
+        form = form.made(count, period or float(np.median(np.diff(log["time"]))))
     samples = after_events(log["time"])
     rows = log["time"][samples]
     times = rows if period is None else rows[0] + period * np.arange(int((rows[-1] - rows[0]) / period + SAME) + 1)
