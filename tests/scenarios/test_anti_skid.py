@@ -117,26 +117,19 @@ def test_every_sensor_is_enough_on_a_low_rail(teeth: int, jitter: float, by_flow
     assert ideal < stop.distance < OVER_IDEAL * ideal
 
 
-#: The same on dry rail.
-DRY_SENSORS = [(80, 0.0), (100, 0.1), (100, 0.2), (2000, 0.3)]
+#: The same on dry rail, with the vehicle and the largest brake ratio at which its wheels roll there.
+DRY_SENSORS = [
+    *((bogie(), 1.5, teeth, jitter) for teeth, jitter in ((80, 0.0), (100, 0.1), (100, 0.2), (2000, 0.3))),
+    (coach(), 2.5, 100, 0.1),
+]
 
 
-@pytest.mark.parametrize(("teeth", "jitter"), DRY_SENSORS)
-def test_no_valve_leaves_apply_where_wheels_roll(teeth: int, jitter: float) -> None:
-    """On dry rail the wheels roll up to 1.6 of the full service brake; the test counts valve commands, not metres."""
-    rig = Rig(bogie(), SlideProtection, Settings(pulses=teeth, jitter=jitter), by_flow=True)
-    assert [stop.commands for stop in rig.runs([Run(DRY, brake_ratio=brake_ratio) for brake_ratio in (1.0, 1.5)])] == [
-        0,
-        0,
-    ]
-
-
-def test_no_valve_of_the_coach_leaves_apply_where_wheels_roll() -> None:
-    runs, settings = (
-        [Run(RAILS[0].values(4), brake_ratio=brake_ratio) for brake_ratio in (1.0, 2.5)],
-        Settings(jitter=0.1),
-    )
-    alone, protected = (Rig(coach(), make, settings, by_flow=True).runs(runs) for make in (None, SlideProtection))
+@pytest.mark.parametrize(("machine", "ratio", "teeth", "jitter"), DRY_SENSORS)
+def test_no_valve_leaves_apply_where_wheels_roll(machine: Machine, ratio: float, teeth: int, jitter: float) -> None:
+    """The test counts valve commands, not metres."""
+    runs = [Run(RAILS[0].values(len(machine.numbers)), brake_ratio=one) for one in (1.0, ratio)]
+    settings = Settings(pulses=teeth, jitter=jitter)
+    alone, protected = (Rig(machine, make, settings, by_flow=True).runs(runs) for make in (None, SlideProtection))
     assert [stop.longest_skid for stop in alone] == [0.0, 0.0]
     assert [stop.commands for stop in protected] == [0, 0]
 

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -64,20 +64,24 @@ def reply(sequence: int, valves: list[int], magic: bytes = MAGIC, kind: int = AN
     return HEADER.pack(magic, kind, len(valves), sequence) + bytes(valves)
 
 
-@pytest.fixture
-def asked(own: socket.socket, client: socket.socket, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[int]]:
-    """Return a function that requests the next period, with packets already waiting for the request."""
-    monkeypatch.setattr(remote, "ANSWER_WITHIN", 0.01)
-    one = Remote(own, 5e-3, 0.0, counting(text="", unit="s"))
-    one.client = client.getsockname()
+class Asked:
+    """Requests the next period of a client, with packets already waiting for the request."""
 
-    def ask(*packets: bytes, by: socket.socket = client) -> list[int]:
+    def __init__(self, own: socket.socket, client: socket.socket) -> None:
+        self.own, self.client = own, client
+        self.remote = Remote(own, 5e-3, 0.0, counting(text="", unit="s"), client=client.getsockname())
+        self.counts = self.remote.counts
+
+    def __call__(self, *packets: bytes, by: socket.socket | None = None) -> list[int]:
         for packet in packets:
-            by.sendto(packet, own.getsockname())
-        return one.step(5e-3 * one.counts.periods, [20.0, 20.0])
+            (by or self.client).sendto(packet, self.own.getsockname())
+        return self.remote.step(5e-3 * self.counts.periods, [20.0, 20.0])
 
-    ask.remote = one  # type: ignore[attr-defined]
-    return ask
+
+@pytest.fixture
+def asked(own: socket.socket, client: socket.socket, monkeypatch: pytest.MonkeyPatch) -> Asked:
+    monkeypatch.setattr(remote, "ANSWER_WITHIN", 0.01)
+    return Asked(own, client)
 
 
 # ---- the same stop ---------------------------------------------------------------------------------------------------
@@ -127,21 +131,21 @@ def test_a_compiled_client_in_c_makes_the_stop_of_the_class_to_the_last_bit(
 # ---- packets that are not as they should be --------------------------------------------------------------------------
 
 
-def test_valves_stay_as_they_were_until_the_watchdog_applies_the_brake(asked: Callable[..., list[int]]) -> None:
-    counts = asked.remote.counts  # type: ignore[attr-defined]
+def test_valves_stay_as_they_were_until_the_watchdog_applies_the_brake(asked: Asked) -> None:
+    counts = asked.counts
     assert asked(reply(0, [2, 1])) == [2, 1]
     for _ in range(WATCHDOG - 1):
         assert asked() == [2, 1]
     assert counts.watchdog == 0
     assert asked() == [0, 0]
     assert (counts.missed, counts.longest_silence, counts.watchdog) == (WATCHDOG, WATCHDOG, 1)
-    assert asked.remote.silent_from == pytest.approx(5e-3)  # type: ignore[attr-defined]
+    assert asked.remote.silent_from == pytest.approx(5e-3)
     assert asked(reply(WATCHDOG + 1, [1, 2])) == [1, 2]
-    assert asked.remote.silent_from is None  # type: ignore[attr-defined]
+    assert asked.remote.silent_from is None
 
 
-def test_late_and_repeated_answers_are_thrown_away_and_told_apart(asked: Callable[..., list[int]]) -> None:
-    counts = asked.remote.counts  # type: ignore[attr-defined]
+def test_late_and_repeated_answers_are_thrown_away_and_told_apart(asked: Asked) -> None:
+    counts = asked.counts
     assert asked(reply(0, [0, 0])) == [0, 0]
     assert asked() == [0, 0]
     assert asked(reply(1, [2, 2]), reply(0, [2, 2]), reply(1, [2, 2]), reply(2, [1, 1])) == [1, 1]
@@ -163,31 +167,27 @@ def test_late_and_repeated_answers_are_thrown_away_and_told_apart(asked: Callabl
         (bytes(60000), "An answer for 2 wheelsets must have 14 bytes; got 2048."),
     ],
 )
-def test_a_malformed_packet_gets_a_sentence_and_no_valve(
-    packet: bytes, sentence: str, asked: Callable[..., list[int]]
-) -> None:
+def test_a_malformed_packet_gets_a_sentence_and_no_valve(packet: bytes, sentence: str, asked: Asked) -> None:
     assert asked(packet) == [0, 0]
-    counts = asked.remote.counts  # type: ignore[attr-defined]
+    counts = asked.counts
     assert (counts.missed, counts.malformed, counts.messages) == (1, 1, [sentence])
     assert asked(packet, reply(1, [1, 1])) == [1, 1]
     assert counts.missed == 1
 
 
-def test_packets_from_others_move_no_valve(asked: Callable[..., list[int]]) -> None:
+def test_packets_from_others_move_no_valve(asked: Asked) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         assert asked(reply(0, [2, 2]), by=other) == [0, 0]
-    counts = asked.remote.counts  # type: ignore[attr-defined]
+    counts = asked.counts
     assert (counts.strangers, counts.malformed, counts.missed) == (1, 0, 1)
 
 
-def test_a_flood_of_packets_makes_no_period_longer(
-    asked: Callable[..., list[int]], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_flood_of_packets_makes_no_period_longer(asked: Asked, monkeypatch: pytest.MonkeyPatch) -> None:
     """Another packet is always waiting."""
     monkeypatch.setattr(Remote, "_next", lambda self, patience: (b"flood", ("127.0.0.1", 9)))
     for _ in range(5):
         assert within(Watch(1.0), asked) == [0, 0]
-    counts = asked.remote.counts  # type: ignore[attr-defined]
+    counts = asked.counts
     assert counts.missed == 5
     assert counts.strangers > 5
 
