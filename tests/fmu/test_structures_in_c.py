@@ -21,7 +21,7 @@ from products.train.layout_in_c import layout_in_c
 HEADERS = ("rig.h", "pipe.h", "status.h", "batch.h")
 MIRRORED: dict[str, type[ctypes.Structure]] = {
     "encoder_settings": rig_in_c.SensorSettings,
-    "rig_settings": rig_in_c.Settings,
+    "rig_settings": rig_in_c.RigSettings,
     "rig_wheelset": rig_in_c.Wheelset,
     "rig_notes": rig_in_c.Notes,
     "rig_desk": rig_in_c.Desk,
