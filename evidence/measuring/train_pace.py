@@ -22,7 +22,7 @@ TARGETS = {"whole, two cells": ">= 300, published 0.15", "empirical, half a cell
 
 @dataclass(frozen=True)
 class Extent:
-    """Vehicles of the trains whose pace, communication step and growth with length are measured; duration [s]."""
+    """Numbers of vehicles for pace, communication step and growth with length; time of an emergency [s]."""
 
     vehicles: int = 150
     hosted: int = 100
