@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from bogie_braking.reporting.report import Row
+from bogie_braking.reporting.report import Row, measured
 from bogie_braking.reporting.timing import least
 from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
@@ -91,11 +91,9 @@ def rows(library: Library) -> list[Row]:
         bare = kernel_seconds(library)
         by_fmpy, by_c = face_seconds(bogie, make_steps)
         instance = instantiate_seconds(bogie)
-    measured = (
+    found = (
         ("doStep beyond the kernel, through fmpy", 1e6 * (by_fmpy - bare) / STEPS, THROUGH_FMPY),
         ("doStep beyond the kernel, from C", 1e6 * (by_c - bare) / STEPS, FROM_C),
         ("an instance made and freed, through fmpy", 1e6 * instance, INSTANTIATE),
     )
-    return [
-        Row(name, "us", None, value, None, f"measured now; to stay below {limit:g}") for name, value, limit in measured
-    ]
+    return [measured(name, "us", value, f"measured now; to stay below {limit:g}") for name, value, limit in found]

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bogie_braking.reporting.report import Row
+from bogie_braking.reporting.report import Row, measured
 from bogie_braking.reporting.timing import least
 from products.machine import bogie
 from products.protection.controller_kinds import Arrays, Form, compiled
@@ -111,11 +111,11 @@ def protected_rows(quick: bool = False) -> list[Row]:
         count = QUICK if quick else many
         seconds, _ = seconds_of(name, count)
         what = f"protected stops a minute, planar bogie, low rail, steps of 5 ms: {name}"
-        rows.append(Row(what, "1", None, 60.0 * count / seconds, None, f"measured now; to reach {wanted:g}"))
+        rows.append(measured(what, "1", 60.0 * count / seconds, f"measured now; to reach {wanted:g}"))
     source = f"largest of 16 stops of {exact.min():.0f} to {exact.max():.0f} m"
     return [
         *rows,
-        Row("protected stops with steps of 5 ms: off those by the error", "m", None, float(off), None, source),
+        measured("protected stops with steps of 5 ms: off those by the error", "m", float(off), source),
     ]
 
 
@@ -142,5 +142,5 @@ def environment_rows(quick: bool = False) -> list[Row]:
     for name, (count, many, few, wanted) in MEASURED.items():
         what = f"environment for learning, planar bogie, steps of 5 ms a second: {name}"
         rate = steps_a_second(count, few, 1) if quick else steps_a_second(count, many, 5)
-        rows.append(Row(what, "1/s", None, rate, None, f"measured now; to reach {wanted:g}"))
+        rows.append(measured(what, "1/s", rate, f"measured now; to reach {wanted:g}"))
     return rows

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from bogie_braking.reporting.report import Row
+from bogie_braking.reporting.report import Row, measured
 from products.supervision import Gradients, Steps, SupervisedTrain, supervise
 
 #: Trains of a call, and calls of which the fastest counts; those of a quick run.
@@ -52,5 +52,5 @@ def supervision_rows(quick: bool = False) -> list[Row]:
     for name, gradients in LINES.items():
         what = f"braking curves of ETCS, {SPEEDS} points each, a second and core: {count} trains on {name}"
         rate = curves_a_second(gradients, count, repeats)
-        rows.append(Row(what, "1/s", None, rate, None, f"measured now; to reach {WANTED:g}"))
+        rows.append(measured(what, "1/s", rate, f"measured now; to reach {WANTED:g}"))
     return rows

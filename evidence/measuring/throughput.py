@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bogie_braking.reporting.report import Row
+from bogie_braking.reporting.report import Row, measured
 from fmu_src.batch import BatchLibrary, Instances, library_of_batch, run_batch
 from fmu_src.system import Model, model_of
 from products.machine import FULL_PRESSURE, bogie, composed
@@ -44,12 +44,12 @@ def batch_rows(quick: bool = False) -> list[Row]:
     """Return the time of stops in batches, extrapolated from the measured number to the target number."""
     rows = []
     for level, (system, number, many, asked, most) in STOPS.items():
-        measured = QUICK if quick else many
+        count = QUICK if quick else many
         library = library_of_batch(model_of_fmu("bogie"), system)
-        values = {"level": number} | stops_of(measured)
-        seconds = min(_seconds_of(library, values, STOP) for _ in range(3)) / measured
-        source = f"measured now on {measured} runs, {library.lanes} lanes, {os.cpu_count()} threads; at most {most:g}"
-        rows.append(Row(f"{asked:.0e} stops, {level}, in a batch", "s", None, seconds * asked, None, source))
+        values = {"level": number} | stops_of(count)
+        seconds = min(_seconds_of(library, values, STOP) for _ in range(3)) / count
+        source = f"measured now on {count} runs, {library.lanes} lanes, {os.cpu_count()} threads; at most {most:g}"
+        rows.append(measured(f"{asked:.0e} stops, {level}, in a batch", "s", seconds * asked, source))
     return rows
 
 
@@ -110,8 +110,8 @@ def control_rows(quick: bool = False) -> list[Row]:
             words = f"planar bogie, two cylinders, friction {friction:g}, {1e3 * CONTROL_STEP / substeps:g} ms steps"
             aim = "measured now" + (f"; to reach {WANTED:g}" if substeps == 1 else "")
             rate = many * CONTROL_STEPS / least
-            rows.append(Row(f"control steps of 5 ms a second: {words}", "1/s", None, rate, None, aim))
+            rows.append(measured(f"control steps of 5 ms a second: {words}", "1/s", rate, aim))
             what = f"distance of the stop off the default's: {words}"
             source = f"the largest of {COMPARED} stops of {exact.min():.0f} to {exact.max():.0f} m"
-            rows.append(Row(what, "m", None, float(off), None, source))
+            rows.append(measured(what, "m", float(off), source))
     return rows

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from functools import partial
 
-from bogie_braking.reporting.report import Row
+from bogie_braking.reporting.report import Row, measured
 from bogie_braking.reporting.timing import REPEATS, least
 from products.train.brake_model import BRAKE_MODELS_BY_COST
 from products.train.consist import block_train
@@ -73,13 +73,13 @@ def train_rows(extent: Extent) -> list[Row]:
     few, many, watched = extent.few, extent.many, extent.watched
     for name, target in TARGETS.items():
         pace = watched / _emergency(extent.vehicles, watched, BRAKE_MODELS_BY_COST[name].settings)
-        rows.append(Row(f"train of {extent.vehicles}, {name}: times real time", "1", None, pace, None, source, target))
+        rows.append(measured(f"train of {extent.vehicles}, {name}: times real time", "1", pace, source, None, target))
     rows.append(
-        Row(f"train of {extent.hosted}: doStep of 1 ms", "us", None, 1e6 * _host_step(extent), None, source, "<= 25")
+        measured(f"train of {extent.hosted}: doStep of 1 ms", "us", 1e6 * _host_step(extent), source, None, "<= 25")
     )
     growth = few / many * _emergency(many, watched, Settings()) / _emergency(few, watched, Settings())
-    rows.append(Row(f"time a vehicle of {many} over that of {few}", "1", None, growth, None, source, "<= 1.3"))
+    rows.append(measured(f"time a vehicle of {many} over that of {few}", "1", growth, source, None, "<= 1.3"))
     consist = block_train(many - 1)
     start = least(partial(Train, consist), extent.repeats)
-    rows.append(Row(f"start of a train of {many}", "s", None, start, None, source, "<= 0.1"))
+    rows.append(measured(f"start of a train of {many}", "s", start, source, None, "<= 0.1"))
     return rows

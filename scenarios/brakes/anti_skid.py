@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, one_word, plt, single, titled
 from bogie_braking.reporting.progress import counting
-from bogie_braking.reporting.report import Report, Row, at_least, at_most, between
+from bogie_braking.reporting.report import Report, Row, at_least, at_most, between, measured
 from bogie_braking.reporting.scenario import Options, Scenario, Sweepable
 from brake_controller.wheel_slide import WheelSlideController
 from products.machine import APPLICATION_TIME, bogie
@@ -110,23 +110,23 @@ def rows_of(found: ProtectedStops) -> list[Row]:
     for rail in RAILS:
         verified = "" if rail.condition.verified else "friction falls as in an unverified set"
         ideal = found.ideal[rail.name]
-        rows.append(Row(f"{rail.name}: ideal stopping distance", "m", None, ideal, None, source, verified))
+        rows.append(measured(f"{rail.name}: ideal stopping distance", "m", ideal, source, None, verified))
         for mode in MODES:
             stop, used = found.stops[rail.name, mode], found.used[rail.name, mode]
             name = f"{rail.name}, {mode}{', wheels locked' if stop.course.locks(LOCK_ABOVE) else ''}"
             share = stop.share_in_band
             rows += [
-                Row(f"{name}: stopping distance", "m", None, stop.distance, None, stop.note(source)),
-                Row(f"{name}: longest lock", "s", None, stop.longest_lock, None, f"above {LOCK_ABOVE} m/s"),
-                Row(f"{name}: share in the slip band", "1", None, share, None, "up to 0.3"),
-                Row(f"{name}: distance over the ideal", "1", None, stop.over(ideal), None, IDEAL),
-                Row(f"{name}: braking force over the rail's largest", "1", None, used, None, BEST),
+                measured(f"{name}: stopping distance", "m", stop.distance, stop.note(source)),
+                measured(f"{name}: longest lock", "s", stop.longest_lock, f"above {LOCK_ABOVE} m/s"),
+                measured(f"{name}: share in the slip band", "1", share, "up to 0.3"),
+                measured(f"{name}: distance over the ideal", "1", stop.over(ideal), IDEAL),
+                measured(f"{name}: braking force over the rail's largest", "1", used, BEST),
                 *without_sliding(name, rail, stop),
-                Row(f"{name}: air", "g", None, 1e3 * stop.air, None, "both cylinders"),
+                measured(f"{name}: air", "g", 1e3 * stop.air, "both cylinders"),
             ]
     for pulses, stop in found.teeth.items():
         name = f"low, protected, {pulses} teeth: stopping distance"
-        rows.append(Row(name, "m", None, stop.distance, None, stop.note("of each sensor")))
+        rows.append(measured(name, "m", stop.distance, stop.note("of each sensor")))
     return rows
 
 
@@ -137,7 +137,7 @@ def without_sliding(name: str, rail: RailCase, stop: Stop) -> list[Row]:
     course, weight = stop.course, bogie().mass * bogie().parameters.gravity
     share = -float(course.creep_force.sum(axis=1)[course.braked(ABOVE)].mean()) / (rail.condition.friction * weight)
     source = f"mean above {ABOVE:g} m/s; mu0 = {rail.condition.friction:g}"
-    return [Row(f"{name}: braking force over friction without sliding", "1", None, share, None, source)]
+    return [measured(f"{name}: braking force over friction without sliding", "1", share, source)]
 
 
 def judged_rows(found: ProtectedStops) -> list[Row]:
@@ -152,11 +152,11 @@ def judged_rows(found: ProtectedStops) -> list[Row]:
     dry_words = f"{len(found.dry)} stops: {ratios[0]:g} to {ratios[-1]:g} of the full service brake, all sensors"
     over_ideal, over_locked = longest(stops, found.ideal["low"]), longest(stops, unprotected.distance)
     return [
-        Row("low: longest distance over the ideal", "1", None, over_ideal, between(1.0, OVER_IDEAL), words),
-        Row("low: longest distance over that of locked wheels", "1", None, over_locked, at_most(1.0), "same brake"),
-        Row("low: longest lock of all", "s", None, lock, at_most(LONGEST_LOCK), f"above {LOCK_ABOVE} m/s"),
-        Row("low: least share in the slip band", "1", None, share, at_least(SHARE), words),
-        Row("dry: commands other than to apply", "1", None, commands, at_most(0.0), dry_words),
+        measured("low: longest distance over the ideal", "1", over_ideal, words, between(1.0, OVER_IDEAL)),
+        measured("low: longest distance over that of locked wheels", "1", over_locked, "same brake", at_most(1.0)),
+        measured("low: longest lock of all", "s", lock, f"above {LOCK_ABOVE} m/s", at_most(LONGEST_LOCK)),
+        measured("low: least share in the slip band", "1", share, words, at_least(SHARE)),
+        measured("dry: commands other than to apply", "1", commands, dry_words, at_most(0.0)),
     ]
 
 

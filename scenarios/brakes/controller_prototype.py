@@ -5,7 +5,7 @@ from collections.abc import Callable
 from matplotlib.figure import Figure
 
 from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, one_word, plt, titled
-from bogie_braking.reporting.report import Report, Row
+from bogie_braking.reporting.report import Report, measured
 from bogie_braking.reporting.scenario import Options, Scenario
 from brake_controller.wheel_slide import WheelSlideController
 from products.machine import bogie
@@ -36,10 +36,10 @@ def run(options: Options, quick: bool = False) -> Report:
     for (rail, name), stop in stops.items():
         what = f"{rail} rail, {name}"
         rows += [
-            Row(f"{what}: stopping distance", "m", None, stop.distance, None, stop.note("25 m/s, full service")),
-            Row(f"{what}: longest lock", "s", None, stop.longest_lock, None, f"above {LOCK_ABOVE:g} m/s"),
-            Row(f"{what}: share in the slip band", "1", None, stop.share_in_band, None, f"up to {BAND:g}"),
-            Row(f"{what}: air", "g", None, 1e3 * stop.air, None, "both cylinders"),
+            measured(f"{what}: stopping distance", "m", stop.distance, stop.note("25 m/s, full service")),
+            measured(f"{what}: longest lock", "s", stop.longest_lock, f"above {LOCK_ABOVE:g} m/s"),
+            measured(f"{what}: share in the slip band", "1", stop.share_in_band, f"up to {BAND:g}"),
+            measured(f"{what}: air", "g", 1e3 * stop.air, "both cylinders"),
         ]
     remark = "A controller is a class with step(time, wheel_speeds); `bb.protected_stops` tries it."
     seconds = sum(stop.time for stop in stops.values())

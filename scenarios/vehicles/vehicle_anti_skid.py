@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bogie_braking.reporting.plots import BOGIE, FOUR, one_word, plt, titled
-from bogie_braking.reporting.report import Report, Row, at_least, at_most, between
+from bogie_braking.reporting.report import Report, Row, at_least, at_most, between, measured
 from bogie_braking.reporting.scenario import Options, Scenario
 from products.coach import NUMBERS
 from products.machine import coach, coach_brake
@@ -62,23 +62,23 @@ def rows_of(found: VehicleStops) -> list[Row]:
         ideal, free = found.ideal[name], found.unprotected[name]
         distance, lock = between(1.0, OVER_IDEAL), stop.longest_lock
         rows += [
-            Row(f"{name}: ideal stopping distance", "m", None, ideal, None, "best slip of all wheels at every instant"),
-            Row(f"{name}: stopping distance", "m", None, stop.distance, None, stop.note(source)),
-            Row(f"{name}: distance over the ideal", "1", None, stop.over(ideal), distance, "as asked of the bogie"),
-            Row(f"{name}: longest lock", "s", None, lock, at_most(LONGEST_LOCK), f"above {LOCK_ABOVE} m/s"),
-            Row(f"{name}: share in the slip band", "1", None, stop.share_in_band, None, f"up to {BAND:g}"),
-            Row(f"{name}: air", "g", None, 1e3 * stop.air, None, "all cylinders"),
-            Row(f"{name}, unprotected: stopping distance", "m", None, free.distance, None, free.note(source)),
-            Row(f"{name}, unprotected: longest lock", "s", None, free.longest_lock, None, ""),
+            measured(f"{name}: ideal stopping distance", "m", ideal, "best slip of all wheels at every instant"),
+            measured(f"{name}: stopping distance", "m", stop.distance, stop.note(source)),
+            measured(f"{name}: distance over the ideal", "1", stop.over(ideal), "as asked of the bogie", distance),
+            measured(f"{name}: longest lock", "s", lock, f"above {LOCK_ABOVE} m/s", at_most(LONGEST_LOCK)),
+            measured(f"{name}: share in the slip band", "1", stop.share_in_band, f"up to {BAND:g}"),
+            measured(f"{name}: air", "g", 1e3 * stop.air, "all cylinders"),
+            measured(f"{name}, unprotected: stopping distance", "m", free.distance, free.note(source)),
+            measured(f"{name}, unprotected: longest lock", "s", free.longest_lock),
         ]
     used = force_over_load(found.protected["low, cleaned"])
     for number, share in zip(NUMBERS, used, strict=True):
         label = f"low, cleaned: mean braking force over load of wheelset {number}"
-        rows.append(Row(label, "1", None, share, None, "full brake"))
+        rows.append(measured(label, "1", share, "full brake"))
     rise = float(np.diff(used).min())
     label = "low, cleaned: least rise of braking force over load from one wheelset to the next"
     asked = at_least(HALF_OF_IT * (CLEANED - 1.0) * used[0])
-    rows.append(Row(label, "1", None, rise, asked, "leading wheelsets meet the dirtier rail", "half of the factor"))
+    rows.append(measured(label, "1", rise, "leading wheelsets meet the dirtier rail", asked, "half of the factor"))
     return sorted(rows, key=lambda row: row.asked is None)  # rows with limits first
 
 
