@@ -16,7 +16,7 @@ from products.train.imported_consist import consist_from
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
-from readers.formats import Imported
+from readers.import_account import Imported
 
 #: Accepted forms, for messages.
 FORMS = "the path of a file, a list of its rows as dictionaries or of vehicles, a Consist, or a number of wagons"

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from readers.account import Account
+from readers.import_account import Account
 from readers.text import FileError
 
 #: Most pieces of one quantity, and shortest piece [m].

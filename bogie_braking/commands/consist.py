@@ -25,8 +25,8 @@ from bogie_braking.exit_status import HOLDS
 from bogie_braking.reporting.text_table import text_table
 from rbd_model.train.coupler import COUPLERS
 from readers.command_line import quantity
-from readers.formats import Imported
 from readers.formats.trains import FORMATS, is_foreign, program_of
+from readers.import_account import Imported
 from readers.text import BadInputError, shown
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from brake_controller.distributors.uic import UicDistributor, freight, reached_p
 from products.train.consist import Consist, TrainVehicle
 from products.train.consist_columns import COUPLING, NUMBERS
 from products.train.consist_file import consist_of, read_consist
-from readers.formats import Imported, Row
 from readers.formats.trains import is_foreign, read_foreign
+from readers.import_account import Imported, Row
 
 #: Columns without which a row would be another vehicle; a value beyond their limits is refused.
 ESSENTIAL = (

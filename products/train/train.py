@@ -21,7 +21,7 @@ from products.train.library import functions
 from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.pipe import Air
 from rbd_model.track.line import Line
-from readers.formats import Imported
+from readers.import_account import Imported
 from readers.usual import almost_0, is_almost_0, likely_unit, note
 
 #: Longest time of `advance` or `record` [s], and largest number of values [1].

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rbd_model.track.line_pieces import SourcedLine, line_of_alignment, sums
-from readers.account import Account
 from readers.alignment import BLOSS, LINEAR, SHORTEST, Alignment, Piece, may_touch
 from readers.columns import Column
+from readers.import_account import Account
 from readers.tables import Table, read_table
 
 STRAIGHT, ARC, CLOTHOID, BLOSS_CURVE = "straight", "arc", "clothoid", "bloss"

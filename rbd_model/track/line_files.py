@@ -10,8 +10,8 @@ from rbd_model.track.line import Line, read_line
 from rbd_model.track.line_elements import line_from_elements
 from rbd_model.track.line_pieces import SourcedLine, line_of_alignment
 from rbd_model.track.line_points import line_from_points
-from readers.account import Account
 from readers.formats.lines import is_foreign_line, read_foreign_line
+from readers.import_account import Account
 from readers.tables import names_of
 from readers.text import BadInputError
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from rbd_model.track.line import MOST_ROWS, Line
 from rbd_model.track.line_table import LINE, ROUNDING
-from readers.account import Account
 from readers.alignment import BLOSS, Alignment, Piece
+from readers.import_account import Account
 from readers.text import FileError
 
 Numbers = NDArray[np.float64]

@@ -24,7 +24,7 @@ from rbd_model.track.line_pieces import SourcedLine, sums
 from rbd_model.track.line_rows import COLUMNS
 from rbd_model.track.point_files import Points, points_of
 from rbd_model.track.smoothing import Smooth, smooth
-from readers.account import Account
+from readers.import_account import Account
 from readers.text import BadInputError
 
 Numbers = NDArray[np.float64]

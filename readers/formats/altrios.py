@@ -15,18 +15,192 @@ They are read so, with a friction of the shoes on top. This is assumed, not ALTR
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from readers.formats import Imported, Row
-from readers.formats.altrios_car import LIMITS, Car, car_of
-from readers.formats.altrios_locomotives import hauled, locomotives_of
 from readers.formats.any_case import in_any_case
-from readers.formats.notes import Notes
 from readers.formats.vehicle_rows import AIR, GRAVITY, MOST, checked, fitting, named_number, rounded, whole_train
+from readers.import_account import Imported, Notes, Row
 from readers.text import FileError, quoted, shown
 from readers.yaml_files import yaml_of
+
+#: Spellings of each number of a car, the newest first.
+SPELLINGS: dict[str, tuple[str, ...]] = {
+    "length": ("length_meters", "length", "Length (m)"),
+    "axles": ("axle_count", "Axle Count"),
+    "base": ("mass_static_base_kilograms", "mass_static_base", "Mass Static Base (kg)"),
+    "freight": ("mass_freight_kilograms", "mass_freight", "Mass Freight (kg)"),
+    "static": ("mass_static_kilograms", "mass_static", "Mass Static Loaded (kg)"),
+    "ratio": ("braking_ratio", "Braking Ratio", "Braking Ratio Loaded"),
+    "rotating": ("mass_rot_per_axle_kilograms", "mass_rot_per_axle", "mass_extra_per_axle", "Mass Extra per Axle (kg)"),
+    "bearing": ("bearing_res_per_axle_newtons", "bearing_res_per_axle", "Bearing Res per Axle (N)"),
+    "rolling": ("rolling_ratio", "Rolling Ratio"),
+    "davis_b": ("davis_b_seconds_per_meter", "davis_b", "Davis B (s/m)"),
+    "area": ("cd_area_square_meters", "cd_area", "drag_area", "Cd*A (m^2)", "Drag Area Cd*A Loaded (m^2)"),
+}
+#: Limits of each number.
+LIMITS: dict[str, tuple[float, float, str]] = {
+    "length": (1.0, 1000.0, "m"),
+    "axles": (1, 400, ""),
+    "base": (100.0, 1e7, "kg"),
+    "freight": (0.0, 1e7, "kg"),
+    "static": (100.0, 1e7, "kg"),
+    "ratio": (0.0, 2.0, ""),
+    "rotating": (0.0, 1e5, "kg"),
+    "bearing": (0.0, 1e5, "N"),
+    "rolling": (0.0, 0.1, ""),
+    "davis_b": (0.0, 1.0, "s/m"),
+    "area": (0.0, 100.0, "m2"),
+}
+#: Numbers that are 0 where a car does not have them; ALTRIOS itself refuses such a car.
+OPTIONAL = {"freight", "rotating", "bearing", "davis_b", "area"}
+
+
+@dataclass(frozen=True)
+class Car:
+    """A car: its name, its numbers by the names in SPELLINGS, and those of them that its file does not have."""
+
+    name: str
+    numbers: Mapping[str, float]
+    missing: tuple[str, ...] = ()
+
+    def with_area(self, area: float) -> Car:
+        """Return the car with another drag area [m2]."""
+        missing = tuple(one for one in self.missing if one not in SPELLINGS["area"])
+        return replace(self, numbers={**self.numbers, "area": area}, missing=missing)
+
+
+def _number(read: Mapping[str, Any], what: str, source: str, default: float | None = None) -> float:
+    """Return a number of a car by any spelling. Raises FileError for another unit, or if it has no default either."""
+    check_units(read, {what: SPELLINGS[what]}, source)
+    for name in SPELLINGS[what]:
+        if read.get(name) is not None:
+            low, high, unit = LIMITS[what]
+            return checked(named_number(read[name], name, source), name, (low, high), unit, source)
+    if default is None:
+        raise FileError(f"{source} must have {SPELLINGS[what][0]}; got {shown(', '.join(map(str, read)))}. Add it.")
+    return default
+
+
+def check_units(read: Mapping[str, Any], fields: Mapping[str, Sequence[str]], source: str) -> None:
+    """Raise FileError if a field has another unit in its name than ALTRIOS writes, as length_feet or Length (ft)."""
+    known = {name for names in (*SPELLINGS.values(), *fields.values()) for name in names}
+    for names in fields.values():
+        begins = tuple(f"{one.partition('(')[0]}(" if "(" in one else f"{one}_" for one in names[1:])
+        for name in read:
+            if str(name) not in known and str(name).startswith(begins):
+                raise FileError(f"{source} must have {names[0]}; got {shown(name)}. Convert it to this unit.")
+
+
+def car_of(read: Mapping[str, Any], source: str) -> Car:
+    """Return a car of its file. Raises FileError."""
+    name = read.get("car_type", read.get("Car Type", "car"))
+    numbers = {what: _number(read, what, source) for what in ("length", "axles", "ratio", "rolling")}
+    numbers |= {what: _number(read, what, source, 0.0) for what in ("rotating", "bearing", "davis_b", "area")}
+    if any(one in read for one in SPELLINGS["base"]):
+        numbers["mass"] = _number(read, "base", source) + _number(read, "freight", source, 0.0)
+    else:
+        numbers["mass"] = _number(read, "static", source)
+    stated = {what for what, names in SPELLINGS.items() if any(read.get(one) is not None for one in names)}
+    due = OPTIONAL if "base" in stated else OPTIONAL - {"freight"}
+    return Car(_printable(name), numbers, tuple(SPELLINGS[what][0] for what in due - stated))
+
+
+def _printable(name: Any) -> str:
+    return "".join(one if one.isprintable() else " " for one in str(name))[:60].strip() or "car"
+
+
+#: Spellings of a locomotive's numbers.
+UNITS = {"mass": ("mass_kilograms", "mass", "mass_kg"), "force_max": ("force_max_newtons", "force_max")}
+
+
+def locomotives_of(read: Mapping[str, Any], source: str, notes: Notes) -> list[Row]:
+    """Return the rows of the locomotives in loco_con or loco_vec, none if the file has none. Raises FileError."""
+    consist = read.get("loco_con", read)
+    stated = consist.get("loco_vec") if isinstance(consist, dict) else None
+    if stated is None:
+        return []
+    if not isinstance(stated, list) or len(stated) > MOST:
+        raise FileError(f"{source}: loco_vec must be a list of at most {MOST} locomotives; got another. Correct it.")
+    rows: list[Row] = []
+    notes.begin("locomotives")
+    for number, one in enumerate(stated):
+        place = f"{source}, locomotive {number + 1}"
+        if not isinstance(one, dict):
+            raise FileError(f"{place} must be a locomotive; got {shown(one)}. Correct it.")
+        row: Row = {"kind": "locomotive", "name": f"locomotive {number + 1}"}
+        check_units(one, UNITS, place)
+        given = next((one[name] for name in UNITS["mass"] if one.get(name) is not None), None)
+        if given is None:
+            notes.assumed("Mass of a locomotive: missing; that of the kind.")
+        else:
+            row["mass"] = rounded(checked(1e-3 * named_number(given, "mass", place), "mass", (1.0, 300.0), "t", place))
+            notes.taken("loco_vec mass -> mass [t]")
+        rows.append(row | _motors(one, place, notes))
+    notes.assumed(
+        "Length, rotating mass and brake of a locomotive, and without cars its running resistance: those of the kind; "
+        "ALTRIOS does not have them."
+    )
+    notes.left("Powertrain of a locomotive: efficiencies, limits of engine and battery, and dynamic brakes.")
+    return rows
+
+
+def _motors(one: Mapping[str, Any], place: str, notes: Notes) -> Row:
+    """Return the largest force of a locomotive and the power of its electric drivetrain, if it states both."""
+    drive = next((inner for inner in _within(one) if "edrv" in inner), {}).get("edrv", {})
+    given = [
+        next((read[name] for name in names if isinstance(read, dict) and read.get(name) is not None), None)
+        for read, names in ((one, UNITS["force_max"]), (drive, ("pwr_out_max_watts", "pwr_out_max")))
+    ]
+    if None in given:
+        notes.left("Motors of a locomotive: they need force_max and pwr_out_max of edrv.")
+        return {}
+    force, power = (named_number(value, name, place) for value, name in zip(given, ("force_max", "edrv"), strict=True))
+    checked(1e-3 * force, "force_max", (0.1, 2000.0), "kN", place)
+    checked(1e-3 * power, "pwr_out_max of edrv", (1.0, 30e3), "kW", place)
+    notes.taken("force_max -> traction_force [kN], pwr_out_max of edrv -> traction_power [kW]")
+    return {"traction_force": rounded(1e-3 * force), "traction_power": rounded(1e-3 * power)}
+
+
+def _within(read: Any, depth: int = 4) -> Iterator[Mapping[str, Any]]:
+    """Yield a mapping and those inside it."""
+    if isinstance(read, dict):
+        yield read
+        for inner in read.values() if depth else ():
+            yield from _within(inner, depth - 1)
+
+
+def hauled(locomotives: list[Row], cars: list[tuple[Car, int]], notes: Notes) -> list[Row]:
+    """Return locomotives with the mean rolling_ratio and davis_b of the cars, as ALTRIOS takes them for all weight."""
+    total = sum(car.numbers["mass"] * count for car, count in cars)
+    if not locomotives or not total:
+        return locomotives
+    ratio, slope = (
+        sum(car.numbers[name] * car.numbers["mass"] * count for car, count in cars) / total
+        for name in ("rolling", "davis_b")
+    )
+    notes.vehicle = "locomotives"
+    notes.converted(
+        "rolling_ratio, davis_b: their means over the mass of the cars x weight -> resistance_a, _b of a locomotive "
+        "with mass; ALTRIOS has no drag of a locomotive -> resistance_c = 0"
+    )
+    notes.vehicle = ""
+    return [_with_resistance(row, ratio, slope) for row in locomotives]
+
+
+def _with_resistance(row: Row, ratio: float, slope: float) -> Row:
+    """Return a locomotive with its resistance over weight [1] and its rise with speed [s/m], if it has a mass."""
+    if "mass" not in row:
+        return row
+    weight = 1e3 * row["mass"] * GRAVITY
+    return row | {
+        "resistance_a": rounded(ratio * weight),
+        "resistance_b": rounded(slope * weight),
+        "resistance_c": 0.0,
+    }
+
 
 #: Friction of composite shoes on wheels, on top of a net braking ratio. Assumed.
 FRICTION = 0.3
@@ -67,7 +241,7 @@ def read_altrios(path: Path) -> Imported:
         _tell_train(config, read, rows, notes)
     elif not rows:
         rows = _car_rows(car_of(read, source), 1, source, notes)
-        _tell_left(read, LEFT, notes)
+        notes.left_of(LEFT, _stated(read))
     return notes.imported(whole_train(rows, notes, source))
 
 
@@ -181,21 +355,16 @@ def _car_beside(name: str, path: Path) -> Car:
     )
 
 
-def _tell_left(read: Mapping[str, Any], reasons: Mapping[str, str], notes: Notes) -> None:
-    told: dict[str, list[str]] = {}
-    for name, reason in reasons.items():
-        if read.get(name) is not None:
-            told.setdefault(reason, []).append(name)
-    for reason, names in told.items():
-        notes.left(f"{', '.join(names)}: {reason}.")
+def _stated(read: Mapping[str, Any]) -> list[str]:
+    return [name for name, value in read.items() if value is not None]
 
 
 def _tell_train(config: Mapping[str, Any], read: Mapping[str, Any], rows: list[Row], notes: Notes) -> None:
     """Tell fields of a train without a column; its mass and length where they differ from those of its cars."""
     notes.vehicle = ""
-    _tell_left({**read, **config}, LEFT_OF_TRAIN, notes)
+    notes.left_of(LEFT_OF_TRAIN, _stated({**read, **config}))
     for one in config.get("rail_vehicles", []):
-        _tell_left(one, LEFT, notes)
+        notes.left_of(LEFT, _stated(one))
     for names, column, factor in (
         (("train_mass_kilograms", "train_mass"), "mass", 1e3),
         (("train_length_meters", "train_length"), "length", 1.0),

@@ -12,10 +12,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from readers.account import Account
 from readers.alignment import SHORTEST, Alignment, Piece
 from readers.documents import integer_in, is_number
 from readers.formats.line_tracks import Track, joined, listed, route_of
+from readers.import_account import Account
 from readers.text import FileError, shown
 from readers.yaml_files import yaml_of
 

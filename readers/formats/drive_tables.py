@@ -7,9 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from readers.formats import Row
-from readers.formats.notes import Notes
 from readers.formats.vehicle_rows import rounded
+from readers.import_account import Notes, Row
 
 #: Largest number of points, speed [km/h] and force [kN]; those of consist files.
 POINTS, FASTEST, STRONGEST = 8, 1000.0, 2000.0

@@ -11,12 +11,11 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from readers.account import Account
 from readers.alignment import SHORTEST, Piece, may_touch
 from readers.formats.line_tracks import listed
-from readers.formats.xml_numbers import name_of, required, value_of
+from readers.import_account import Account
 from readers.text import FileError, shown
-from readers.xml_files import inside
+from readers.xml_files import inside, name_of, required, value_of
 
 LONGEST, LARGEST_RADIUS = 1e7, 1e12
 POINTS = ("PVI", "ParaCurve", "CircCurve", "UnsymParaCurve")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from readers.account import Account
 from readers.alignment import Alignment, Piece
+from readers.import_account import Account
 from readers.text import FileError, shown
 
 #: Sign behind a track's name that is run from its end to its begin. Names that a message lists.

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from readers.formats import Imported, Row
 from readers.formats.any_case import in_any_case
-from readers.formats.notes import Notes
 from readers.formats.open_rails_coupler import coupler_of
 from readers.formats.open_rails_text import Block, Reader
 from readers.formats.open_rails_vehicle import vehicle_of
 from readers.formats.vehicle_rows import MOST, fitting, rounded, whole_train
+from readers.import_account import Imported, Notes, Row
 from readers.text import FileError
 
 #: Names that a message about missing files lists.

@@ -10,13 +10,12 @@ from __future__ import annotations
 
 import math
 
-from readers.formats import Row
-from readers.formats.notes import Notes
 from readers.formats.open_rails_fields import Fields
 from readers.formats.open_rails_friction import friction_of_table
 from readers.formats.open_rails_units import PSI
 from readers.formats.open_rails_valve import NORTH_AMERICAN, service_share, tell_own, valve_of
 from readers.formats.vehicle_rows import rounded
+from readers.import_account import Notes, Row
 
 #: Cylinder pressure of MaxBrakeForce that Open Rails takes where the file has none [bar], and its default rate [bar/s].
 PRESSURE, DEFAULT_RATE = 64 * PSI, 0.9 * PSI

@@ -8,11 +8,10 @@ beyond it one stiffness in both senses. This stiffness is 7 times the sum of bot
 
 from __future__ import annotations
 
-from readers.formats import Row
-from readers.formats.notes import Notes
 from readers.formats.open_rails_fields import Fields
 from readers.formats.open_rails_text import Block
 from readers.formats.vehicle_rows import rounded
+from readers.import_account import Notes, Row
 
 #: Stiffness where r0 does not begin with 0, both values where a file has none, and factor of their sum [N/m].
 STIFFNESS, DEFAULTS, FACTOR = 2e7, (1e7, 2e7), 7.0

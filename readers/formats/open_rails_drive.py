@@ -6,13 +6,12 @@ and N where no unit is written, and belongs to a position of the controller.
 
 from __future__ import annotations
 
-from readers.formats import Row
 from readers.formats.drive_tables import STRONGEST, drive_table
-from readers.formats.notes import Notes
 from readers.formats.open_rails_fields import Fields
 from readers.formats.open_rails_text import Block
 from readers.formats.open_rails_units import measured, units_of
 from readers.formats.vehicle_rows import rounded
+from readers.import_account import Notes, Row
 from readers.text import FileError, quoted
 
 #: Names of a curve, the one that is valid first.

@@ -7,9 +7,9 @@ import math
 import re
 from collections.abc import Sequence
 
-from readers.formats.notes import Notes
 from readers.formats.open_rails_text import Block
 from readers.formats.open_rails_units import FACTORS, measured, units_of
+from readers.import_account import Notes
 from readers.text import FileError, quoted
 
 #: Begin of a word that is a number.

@@ -11,10 +11,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from readers.formats import Row
-from readers.formats.notes import Notes
 from readers.formats.open_rails_fields import Fields
 from readers.formats.vehicle_rows import rounded
+from readers.import_account import Notes, Row
 from readers.text import FileError, quoted
 
 #: Speeds V2 that are tried [km/h], the number of speeds at which a fit is compared, and its least friction.

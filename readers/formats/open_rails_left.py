@@ -4,96 +4,66 @@ from __future__ import annotations
 
 #: Words of BrakeEquipmentType that Open Rails and MSTS have; the spelling Auxilary_reservoir is theirs.
 EQUIPMENT = (
-    "triple_valve",
-    "graduated_release_triple_valve",
-    "distributor",
-    "distributing_valve",
-    "auxilary_reservoir",
-    "auxiliary_reservoir",
-    "emergency_brake_reservoir",
-    "retainer_3_position",
-    "retainer_4_position",
-    "handbrake",
-    "manual_brake",
-    "vacuum_brake",
-    "air_brake",
-    "ep_brake",
-    "ecp_brake",
-    "supply_reservoir",
-    "emergency_solenoid_valve",
+    *("triple_valve", "graduated_release_triple_valve", "distributor", "distributing_valve"),
+    *("auxilary_reservoir", "auxiliary_reservoir", "emergency_brake_reservoir", "retainer_3_position"),
+    *("retainer_4_position", "handbrake", "manual_brake", "vacuum_brake", "air_brake", "ep_brake", "ecp_brake"),
+    *("supply_reservoir", "emergency_solenoid_valve"),
 )
-_AXLES = "a vehicle of a train has its mass on braked wheels, without axles of their own"
-_VALVE = "the distributor has its own emergency and quick-service parts"
-_TRACTION = "of the motors, the largest force or its curve and the power alone are read"
-_DYNAMIC = "of the dynamic brake, the largest force and its speeds alone are read"
-_BLENDING = "blending of dynamic and air brakes has no column, other than brake = ep-direct"
-_STAGES = "two stages of pressure over speed (R brake) have no column; full_pressure applies at all speeds"
-_DRIVER = "the driver's valve is that of UIC 541-03"
-#: Reasons by field.
-LEFT = {
-    "WheelRadius": _AXLES,
-    "NumWheels": _AXLES,
-    "ORTSNumberAxles": _AXLES,
-    "ORTSNumberDriveAxles": _AXLES,
-    "ORTSDriveWheelWeight": _AXLES,
-    "ORTSBearingType": "Open Rails uses it only without ORTSDavis",
-    "Friction": "Open Rails ignores it, except from the program FCalc; give ORTSDavis_A, B and C",
-    "ORTSStandstillFriction": "breakaway resistance has no column",
-    "ORTSMergeSpeed": "breakaway resistance has no column",
-    "ORTSDavisDragConstant": "wind has no column",
-    "ORTSWagonFrontalArea": "wind has no column",
-    "EmergencyResChargingRate": "an emergency reservoir has no column",
-    "EmergencyBrakeResMaxPressure": "an emergency reservoir has no column",
-    "MaxAuxilaryChargingRate": "the choke that charges the reservoir is fixed",
-    "MaxAuxiliaryChargingRate": "the choke that charges the reservoir is fixed",
-    "ORTSBrakeCylinderPipingVolume": "dead volume of a cylinder has no column",
-    "ORTSBrakeCylinderSize": "a vacuum cylinder has no column",
-    "ORTSAuxilaryResCapacity": "a vacuum reservoir has no column",
-    "ORTSDirectAdmissionValve": "a vacuum brake has no column",
-    "ORTSCylinderSpringPressure": "a return force has a column with cylinder data alone",
-    "ORTSBrakeInsensitivity": "insensitivity is that of UIC 540",
-    "ORTSInitialApplicationThreshold": "the first stage is that of UIC 540",
-    "ORTSEmergencyValveActuationRate": _VALVE,
-    "ORTSEmergencyDumpValveRate": _VALVE,
-    "ORTSEmergencyDumpValveTimer": _VALVE,
-    "ORTSQuickServiceLimit": _VALVE,
-    "ORTSQuickServiceApplicationRate": _VALVE,
-    "ORTSQuickServiceVentRate": _VALVE,
-    "ORTSAcceleratedApplicationFactor": _VALVE,
-    "ORTSAcceleratedApplicationMaxVentRate": _VALVE,
-    "ORTSUniformChargingThreshold": "uniform charging has no column",
-    "ORTSUniformChargingRatio": "uniform charging has no column",
-    "ORTSUniformReleaseThreshold": "uniform release has no column",
-    "ORTSUniformReleaseRatio": "uniform release has no column",
-    "ORTSBrakeRelayValveRatio": "a relay valve has no column; the force is that of the stated load",
-    "ORTSBrakeRelayValveInshot": "a relay valve has no column; the force is that of the stated load",
-    "ORTSMaxTripleValveCylinderPressure": "a limit of service pressure has no column",
-    "ORTSMaxServiceCylinderPressure": "a limit of service pressure has no column",
-    "ORTSMaxServiceApplicationRate": "a rate of service braking alone has no column",
-    "ORTSTwoStageLowPressure": _STAGES,
-    "ORTSHighSpeedReducingPressure": _STAGES,
-    "ORTSEPBrakeInhibitsTripleValve": "valves of both kinds together have no column",
-    "ORTSMainResPipeAuxResCharging": "a main pipe has no column",
-    "NumberOfHandbrakeLeverSteps": "the input parking_brake of the train is a share, without steps",
-    "ORTSCurtius_Kniffler": "set adhesion = curtius-kniffler, with its usual numbers, yourself",
-    "Adheasion": "Open Rails ignores it",
-    "ORTSWheelBrakeSlideProtection": "slide protection of a train is an input",
-    "ORTSWheelBrakesSlideProtectionLimitDisable": "slide protection of a train is an input",
-    "ORTSEmergencyBrakingDisablesWSP": "slide protection of a train is an input",
-    "MaxContinuousForce": _TRACTION,
-    "MaxVelocity": "motors have no limit of speed; the last force of a table may be 0",
-    "RunUpTimeToMaxForce": "set traction_rise yourself",
-    "DynamicBrakesDelayTimeBeforeEngaging": "a dead time has a column with brake = ep-direct alone",
-    "DynamicBrakesEffectAtMaximumFadeOut": _DYNAMIC,
-    "DynamicBrakeHasAutoBailOff": _BLENDING,
-    "ORTSDynamicBrakesHasPartialBailOff": _BLENDING,
-    "ORTSDynamicBlendingMinimumSpeed": _BLENDING,
-    "ORTSDynamicBlendingRetainedPressure": _BLENDING,
-    "ORTSTrainDynamicBlendingTable": _BLENDING,
-    "ORTSBrakePipeChargingRate": _DRIVER,
-    "ORTSBrakeServiceTimeFactor": _DRIVER,
-    "ORTSBrakeEmergencyTimeFactor": _DRIVER,
-    "ORTSBrakePipeTimeFactor": "the pipe is simulated with flow of air; a factor of time adds nothing",
-    "ORTSMainResChargingRate": _DRIVER,
-    "TrainPipeLeakRate": "a leak has a column as the diameter of a hole: set leak [mm] yourself",
+#: Fields by reason.
+_LEFT = {
+    "a vehicle of a train has its mass on braked wheels, without axles of their own": (
+        "WheelRadius NumWheels ORTSNumberAxles ORTSNumberDriveAxles ORTSDriveWheelWeight"
+    ),
+    "Open Rails uses it only without ORTSDavis": "ORTSBearingType",
+    "Open Rails ignores it, except from the program FCalc; give ORTSDavis_A, B and C": "Friction",
+    "breakaway resistance has no column": "ORTSStandstillFriction ORTSMergeSpeed",
+    "wind has no column": "ORTSDavisDragConstant ORTSWagonFrontalArea",
+    "an emergency reservoir has no column": "EmergencyResChargingRate EmergencyBrakeResMaxPressure",
+    "the choke that charges the reservoir is fixed": "MaxAuxilaryChargingRate MaxAuxiliaryChargingRate",
+    "dead volume of a cylinder has no column": "ORTSBrakeCylinderPipingVolume",
+    "a vacuum cylinder has no column": "ORTSBrakeCylinderSize",
+    "a vacuum reservoir has no column": "ORTSAuxilaryResCapacity",
+    "a vacuum brake has no column": "ORTSDirectAdmissionValve",
+    "a return force has a column with cylinder data alone": "ORTSCylinderSpringPressure",
+    "insensitivity is that of UIC 540": "ORTSBrakeInsensitivity",
+    "the first stage is that of UIC 540": "ORTSInitialApplicationThreshold",
+    "the distributor has its own emergency and quick-service parts": (
+        "ORTSEmergencyValveActuationRate ORTSEmergencyDumpValveRate ORTSEmergencyDumpValveTimer "
+        "ORTSQuickServiceLimit ORTSQuickServiceApplicationRate ORTSQuickServiceVentRate "
+        "ORTSAcceleratedApplicationFactor ORTSAcceleratedApplicationMaxVentRate"
+    ),
+    "uniform charging has no column": "ORTSUniformChargingThreshold ORTSUniformChargingRatio",
+    "uniform release has no column": "ORTSUniformReleaseThreshold ORTSUniformReleaseRatio",
+    "a relay valve has no column; the force is that of the stated load": (
+        "ORTSBrakeRelayValveRatio ORTSBrakeRelayValveInshot"
+    ),
+    "a limit of service pressure has no column": "ORTSMaxTripleValveCylinderPressure ORTSMaxServiceCylinderPressure",
+    "a rate of service braking alone has no column": "ORTSMaxServiceApplicationRate",
+    "two stages of pressure over speed (R brake) have no column; full_pressure applies at all speeds": (
+        "ORTSTwoStageLowPressure ORTSHighSpeedReducingPressure"
+    ),
+    "valves of both kinds together have no column": "ORTSEPBrakeInhibitsTripleValve",
+    "a main pipe has no column": "ORTSMainResPipeAuxResCharging",
+    "the input parking_brake of the train is a share, without steps": "NumberOfHandbrakeLeverSteps",
+    "set adhesion = curtius-kniffler, with its usual numbers, yourself": "ORTSCurtius_Kniffler",
+    "Open Rails ignores it": "Adheasion",
+    "slide protection of a train is an input": (
+        "ORTSWheelBrakeSlideProtection ORTSWheelBrakesSlideProtectionLimitDisable ORTSEmergencyBrakingDisablesWSP"
+    ),
+    "of the motors, the largest force or its curve and the power alone are read": "MaxContinuousForce",
+    "motors have no limit of speed; the last force of a table may be 0": "MaxVelocity",
+    "set traction_rise yourself": "RunUpTimeToMaxForce",
+    "a dead time has a column with brake = ep-direct alone": "DynamicBrakesDelayTimeBeforeEngaging",
+    "of the dynamic brake, the largest force and its speeds alone are read": "DynamicBrakesEffectAtMaximumFadeOut",
+    "blending of dynamic and air brakes has no column, other than brake = ep-direct": (
+        "DynamicBrakeHasAutoBailOff ORTSDynamicBrakesHasPartialBailOff ORTSDynamicBlendingMinimumSpeed "
+        "ORTSDynamicBlendingRetainedPressure ORTSTrainDynamicBlendingTable"
+    ),
+    "the driver's valve is that of UIC 541-03": (
+        "ORTSBrakePipeChargingRate ORTSBrakeServiceTimeFactor ORTSBrakeEmergencyTimeFactor ORTSMainResChargingRate"
+    ),
+    "the pipe is simulated with flow of air; a factor of time adds nothing": "ORTSBrakePipeTimeFactor",
+    "a leak has a column as the diameter of a hole: set leak [mm] yourself": "TrainPipeLeakRate",
 }
+#: Reasons by field.
+LEFT = {name: reason for reason, names in _LEFT.items() for name in names.split()}

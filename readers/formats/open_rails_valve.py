@@ -7,11 +7,10 @@ a vehicle is stated at a cylinder pressure; that of a full service is what its r
 
 from __future__ import annotations
 
-from readers.formats import Row
-from readers.formats.notes import Notes
 from readers.formats.open_rails_fields import Fields
 from readers.formats.open_rails_left import EQUIPMENT
 from readers.formats.open_rails_units import PSI
+from readers.import_account import Notes, Row
 from readers.text import quoted
 
 #: Distributors with volumes and pressures of their own.

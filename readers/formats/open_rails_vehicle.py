@@ -7,14 +7,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from readers.formats import Row
-from readers.formats.notes import Notes
 from readers.formats.open_rails_brake import brake_of, branch_of, hand_brake_of
 from readers.formats.open_rails_drive import DRIVE, drive_of
 from readers.formats.open_rails_fields import Fields
 from readers.formats.open_rails_left import LEFT
 from readers.formats.open_rails_text import Block, Reader
 from readers.formats.vehicle_rows import rounded
+from readers.import_account import Notes, Row
 from readers.text import FileError, quoted, shown
 
 #: Kinds by the word of Wagon(Type.
@@ -30,41 +29,15 @@ KINDS = {
 TRAILING = 0.2083
 #: Fields that are taken.
 TAKEN = (
-    "ORTSTrailLocomotiveResistanceFactor",
-    "Type",
-    "Mass",
-    "Size",
-    "Name",
-    "ORTSDavis_A",
-    "ORTSDavis_B",
-    "ORTSDavis_C",
-    "MaxBrakeForce",
-    "ORTSMaxBrakeShoeForce",
-    "ORTSNumberCarBrakeShoes",
-    "ORTSBrakeShoeType",
-    "ORTSBrakeShoeFriction",
-    "BrakeSystemType",
-    "BrakeEquipmentType",
-    "BrakeCylinderPressureForMaxBrakeBrakeForce",
-    "ORTSBrakeForceReferencePressure",
-    "MaxApplicationRate",
-    "MaxReleaseRate",
-    "BrakeDistributorApplicationRate",
-    "BrakeDistributorReleaseRate",
-    "ORTSAuxiliaryResCapacity",
-    "ORTSBrakeCylinderVolume",
-    "TripleValveRatio",
-    "EmergencyResCapacity",
-    "EmergencyResVolumeMultiplier",
-    "BrakePipeVolume",
-    "ORTSBrakeCylinderDiameter",
-    "ORTSBrakeCylinderPistonTravel",
-    "ORTSNumberBrakeCylinders",
-    "Coupling",
-    "ORTSFreightAnims",
-    "ORTSEPBrakeControlsBrakePipe",
-    "ORTSEmergencyResQuickRelease",
-    "MaxHandbrakeForce",
+    *("ORTSTrailLocomotiveResistanceFactor", "Type", "Mass", "Size", "Name", "ORTSDavis_A", "ORTSDavis_B"),
+    *("ORTSDavis_C", "MaxBrakeForce", "ORTSMaxBrakeShoeForce", "ORTSNumberCarBrakeShoes", "ORTSBrakeShoeType"),
+    *("ORTSBrakeShoeFriction", "BrakeSystemType", "BrakeEquipmentType"),
+    *("BrakeCylinderPressureForMaxBrakeBrakeForce", "ORTSBrakeForceReferencePressure", "MaxApplicationRate"),
+    *("MaxReleaseRate", "BrakeDistributorApplicationRate", "BrakeDistributorReleaseRate"),
+    *("ORTSAuxiliaryResCapacity", "ORTSBrakeCylinderVolume", "TripleValveRatio", "EmergencyResCapacity"),
+    *("EmergencyResVolumeMultiplier", "BrakePipeVolume", "ORTSBrakeCylinderDiameter"),
+    *("ORTSBrakeCylinderPistonTravel", "ORTSNumberBrakeCylinders", "Coupling", "ORTSFreightAnims"),
+    *("ORTSEPBrakeControlsBrakePipe", "ORTSEmergencyResQuickRelease", "MaxHandbrakeForce"),
 )
 
 
@@ -182,9 +155,7 @@ def _tell_left(fields: Fields, root: Block, notes: Notes) -> None:
     """Tell fields without a column, each with the reason, and misspelt ones."""
     names = {block.name for block in fields.blocks.values()}
     names |= {block.name for one in _engines(root) for block in one.blocks}
-    for reason in dict.fromkeys(LEFT.values()):
-        if told := [name for name, one in LEFT.items() if one == reason and name.lower() in names]:
-            notes.left(f"{', '.join(told)}: {reason}.")
+    notes.left_of(LEFT, [name for name in LEFT if name.lower() in names])
     outside = [block.name for block in root.blocks if block.name.lower() in {one.lower() for one in TAKEN}]
     for name in outside:
         notes.left(f"{name}: it stands outside Wagon ( ), and Open Rails ignores it.")

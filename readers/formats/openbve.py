@@ -13,9 +13,8 @@ import math
 import re
 from pathlib import Path
 
-from readers.formats import Imported, Row
-from readers.formats.notes import Notes
 from readers.formats.vehicle_rows import GRAVITY, MOST, checked, fitting, rounded, whole_train
+from readers.import_account import Imported, Notes, Row
 from readers.text import FileError, lines_of, quoted, shown, text_of
 from readers.units import quantity_of
 

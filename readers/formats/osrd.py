@@ -13,9 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from readers.documents import LARGEST, document
-from readers.formats import Imported, Row
 from readers.formats.drive_tables import drive_table, with_motors
-from readers.formats.notes import Notes
 from readers.formats.vehicle_rows import (
     HEAVIEST,
     LIGHTEST,
@@ -28,6 +26,7 @@ from readers.formats.vehicle_rows import (
     rounded,
     whole_train,
 )
+from readers.import_account import Imported, Notes, Row
 from readers.text import FileError, shown, text_of
 
 #: Length to which a train is divided [m]: that of a coach (UIC 567). Assumed.
@@ -74,9 +73,7 @@ def read_osrd(path: Path) -> Imported:
     row: Row = {"kind": _kind(read, notes), "name": _name(read, path), "mass": rounded(mass), "length": rounded(length)}
     row |= _rotating(read, source, notes) | _resistance(read, mass, source, notes) | _deceleration(read, source, notes)
     row = with_motors(row, _traction(read, source, notes), notes)
-    for reason in dict.fromkeys(LEFT.values()):
-        if names := [name for name, one in LEFT.items() if one == reason and name in read]:
-            notes.left(f"{', '.join(names)}: {reason}.")
+    notes.left_of(LEFT, read)
     rows = [{name: one for name, one in part.items() if name != "coupler"} for part in divided(row, parts)]
     if parts > 1:
         notes.assumed("Couplers between the vehicles: screw couplers, because the file has none.")

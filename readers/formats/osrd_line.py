@@ -12,10 +12,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from readers.account import Account
 from readers.alignment import Alignment, Piece
 from readers.documents import document, list_in, number_in, text_in
 from readers.formats.line_tracks import Track, joined, listed, route_of
+from readers.import_account import Account
 from readers.text import FileError, text_of
 
 #: Largest file [bytes], longest track section [m].

@@ -9,11 +9,10 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
-from readers.formats import Imported, Row
-from readers.formats.notes import Notes
 from readers.formats.railml_numbers import number_of
 from readers.formats.railml_vehicle import davis_of_train, vehicle_of
 from readers.formats.vehicle_rows import GRAVITY, MOST, fitting, rounded, whole_train
+from readers.import_account import Imported, Notes, Row
 from readers.text import FileError, quoted, shown
 from readers.xml_files import inside, xml_of
 

@@ -14,12 +14,11 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from readers.account import Account
 from readers.alignment import BLOSS, LINEAR, Alignment, Piece
 from readers.formats.line_tracks import Track, joined, route_of
-from readers.formats.xml_numbers import attribute, name_of, required
+from readers.import_account import Account
 from readers.text import FileError, shown
-from readers.xml_files import inside
+from readers.xml_files import attribute, inside, name_of, required
 
 LONGEST, SHORTEST = 1e7, 0.01
 #: Curves whose curvature is constant, and those between the curvatures of their neighbours.

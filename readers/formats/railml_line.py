@@ -16,13 +16,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
-from readers.account import Account
 from readers.alignment import BLOSS, LINEAR, OVERLAP, Alignment, Piece
 from readers.formats.line_tracks import Track, joined, listed, route_of
 from readers.formats.railml3_line import read_railml3
-from readers.formats.xml_numbers import attribute, required
+from readers.import_account import Account
 from readers.text import FileError, shown
-from readers.xml_files import inside, xml_of
+from readers.xml_files import attribute, inside, required, xml_of
 
 LONGEST, SHORTEST = 1e7, 0.01
 #: Letters by which descriptions of transition curves are found, and their form.

@@ -7,12 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from readers.formats.notes import Notes
 from readers.formats.vehicle_rows import checked
-from readers.formats.xml_numbers import attribute
+from readers.import_account import Notes
 from readers.text import FileError, shown
 from readers.units import SPELLINGS, different_units
-from readers.xml_files import inside
+from readers.xml_files import attribute, inside
 
 #: Largest size of a number.
 LARGEST = 1e12

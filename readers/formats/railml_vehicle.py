@@ -6,11 +6,10 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 
-from readers.formats import Row
 from readers.formats.drive_tables import CLOSEST, STRONGEST, drive_table, fewer, is_table, tell_deviation, with_motors
-from readers.formats.notes import Notes
 from readers.formats.railml_numbers import fitted, mean_deceleration, number_of, table_of
 from readers.formats.vehicle_rows import AIR, GRAVITY, rounded
+from readers.import_account import Notes, Row
 from readers.text import FileError, shown
 from readers.xml_files import inside
 

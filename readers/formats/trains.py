@@ -6,7 +6,7 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-from readers.formats import Imported
+from readers.import_account import Imported
 from readers.text import FileError, shown
 
 #: Program, module and function by the end of a file's name, in small letters.

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from readers.formats import Row
-from readers.formats.notes import Notes
+from readers.import_account import Notes, Row
 from readers.text import FileError, shown
 
 #: Shortest and longest vehicle of a consist [m]; heaviest and lightest [t]; most vehicles. Those of consist files.

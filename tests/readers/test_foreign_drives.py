@@ -11,8 +11,8 @@ import pytest
 
 from products.train.consist_file import consist_of
 from products.train.train import Train
-from readers.formats import Imported
 from readers.formats.trains import read_foreign
+from readers.import_account import Imported
 from readers.text import FileError
 
 #: Pound-force [N], mile per hour [m/s], horsepower [W] (NIST SP 811).

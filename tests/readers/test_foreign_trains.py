@@ -12,10 +12,10 @@ from typing import Any
 
 import pytest
 
-from readers.formats import Imported
 from readers.formats.openbve import motor_cars
 from readers.formats.trains import FORMATS, read_foreign
 from readers.formats.vehicle_rows import LONGEST
+from readers.import_account import Imported
 from readers.text import FileError
 
 #: Acceleration of gravity [m/s2] and density of air [kg/m3] in the numbers by hand.

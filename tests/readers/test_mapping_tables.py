@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from products.train.consist_columns import NAMES, WORDS, choices
-from readers.formats import Row
 from readers.formats.trains import read_foreign
+from readers.import_account import Row
 from tests.readers.test_foreign_drives import CURVES, LOCOMOTIVES, STOCK
 from tests.readers.test_foreign_trains import BVE, CAR, RAILML, UNIT
 

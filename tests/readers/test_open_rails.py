@@ -9,9 +9,9 @@ import pytest
 from products.train.consist_file import consist_of
 from products.train.imported_consist import imported_consist
 from products.train.summary import brake_force
-from readers.formats import Imported
 from readers.formats.open_rails_text import DEEPEST, DEEPEST_INCLUDE, MOST_INCLUDES, Reader
 from readers.formats.trains import read_foreign
+from readers.import_account import Imported
 from readers.text import FileError
 
 #: Pound-force [N], mile per hour [m/s], pound per square inch [bar] (NIST SP 811).

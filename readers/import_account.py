@@ -1,11 +1,56 @@
-"""Notes of an importer: sentences about fields, each once, with the vehicles to which it applies."""
+"""An account of the fields of a file of another program: taken, converted, left out, assumed."""
 
 from __future__ import annotations
 
-from readers.formats import Imported, Row
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
+#: A vehicle as a row of a consist file, by column.
+Row = dict[str, Any]
+#: Kinds of entries.
+KINDS = ("taken", "converted", "left", "assumed")
 #: Names of vehicles that a sentence lists.
 NAMED = 3
+
+
+@dataclass
+class Account:
+    """Use of the fields of a file, an entry each.
+
+    Attributes
+    ----------
+    taken : list of str
+        Values that are used as they are.
+    converted : list of str
+        Values that are used in another unit or form, with the calculation.
+    left : list of str
+        Values that are not used, each with the reason.
+    assumed : list of str
+        Values that the file does not state, or whose meaning is uncertain.
+    """
+
+    taken: list[str] = field(default_factory=list)
+    converted: list[str] = field(default_factory=list)
+    left: list[str] = field(default_factory=list)
+    assumed: list[str] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        """Return the entries as lines of text, each with its kind."""
+        return "\n".join(f"{kind:<10}{entry}" for kind in KINDS for entry in getattr(self, kind))
+
+
+@dataclass
+class Imported(Account):
+    """A train of another program as rows of a consist, with the account of the fields of its file.
+
+    Attributes
+    ----------
+    rows : list of dict
+        A row for each kind of vehicle in turn, with the columns of `products/train/consist_columns.py`.
+    """
+
+    rows: list[Row] = field(default_factory=list)
 
 
 class Notes:
@@ -20,7 +65,7 @@ class Notes:
     def __init__(self) -> None:
         self.vehicle = ""
         self._vehicles: list[str] = []
-        self._told: dict[str, dict[str, list[str]]] = {kind: {} for kind in ("taken", "converted", "left", "assumed")}
+        self._told: dict[str, dict[str, list[str]]] = {kind: {} for kind in KINDS}
 
     def begin(self, vehicle: str) -> None:
         """Begin a vehicle; sentences that follow are about it."""
@@ -39,6 +84,12 @@ class Notes:
     def left(self, sentence: str) -> None:
         """Add a field without a column, with the reason."""
         self._add("left", sentence)
+
+    def left_of(self, reasons: Mapping[str, str], names: Collection[str]) -> None:
+        """Add those of the names that have a reason to be left, a sentence for each reason."""
+        for reason in dict.fromkeys(reasons.values()):
+            if told := [name for name, one in reasons.items() if one == reason and name in names]:
+                self.left(f"{', '.join(told)}: {reason}.")
 
     def assumed(self, sentence: str) -> None:
         """Add a value that the file does not state."""
