@@ -18,8 +18,8 @@ from typing import Any
 from fmu_src.suggestion import suggestion
 from products.supervision.arguments import path_of
 from products.supervision.tolerances import ENTRIES, Entry, Tolerances
-from readers.command_line import decimal_comma, number_in
 from readers.documents import is_number
+from readers.quantity import decimal_comma, number_in
 from readers.text import BadInputError, quoted, shown
 from readers.toml_files import toml_of
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import Field, dataclass
+from dataclasses import Field
 from typing import Any
 
 from fmu_src.suggestion import suggestion
@@ -18,8 +18,8 @@ from rbd_model.vehicle.parameters import (
     coal_wagon,
     tables_5_1_and_5_2,
 )
-from readers.command_line import number_in
 from readers.documents import is_number
+from readers.quantity import Quantity, by_name, number_in
 from readers.text import quoted, shown
 from readers.units import different_units
 from readers.usual import SOFTEST, likely_unit
@@ -32,89 +32,70 @@ LIKE: Mapping[str, tuple[str, Callable[[], BogieParameters]]] = {
 }
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A number of a vehicle file: unit of a value without one, limits in it, meaning.
-
-    parameter: that of the set which it gives alone. above_rail: it is a height above the rail; the set has that above
-    the axles. whole: it is an integer. above_0: smallest value above 0; a smaller one is in another unit.
-    """
-
-    unit: str
-    least: float
-    most: float
-    text: str
-    parameter: str = ""
-    above_rail: bool = False
-    whole: bool = False
-    above_0: float = 0.0
-
-
 HEAVIEST = 1e6
-ENTRIES: Mapping[str, Entry] = {
-    "axles": Entry("1", 2, 6, "number of wheelsets: 2, 4 or 6"),
-    "tare": Entry("kg", LEAST_BODY, HEAVIEST, "mass of the empty vehicle on the rails"),
-    "load": Entry("kg", 0.0, HEAVIEST, "load in or on the body", above_0=50.0),
-    "bogie_frame_mass": Entry("kg", LEAST_FRAME, HEAVIEST, "one bogie without its wheelsets", "frame_mass"),
-    "wheelset_mass": Entry("kg", LEAST_WHEELSET, HEAVIEST, "one wheelset", "wheelset_mass"),
-    "rotating_mass": Entry("kg", LEAST_WHEELSET, HEAVIEST, "equivalent mass of all rotating parts at the rims"),
-    "wheel_diameter": Entry("m", 2 * SMALLEST_RADIUS, 2 * LARGEST_RADIUS, "at the tread", "wheel_radius"),
-    "length": Entry("m", 1.0, LONGEST_VEHICLE, "over the couplers", "coupler_distance"),
-    "pivot_distance": Entry("m", 0.5, LONGEST_VEHICLE, "between the middles of both bogies", "pivot_distance"),
-    "wheel_base": Entry(
-        "m", 0.1, LONGEST_VEHICLE, "between neighbouring axles of a bogie, or of 2 axles", "wheel_base"
-    ),
-    "body_height": Entry("m", 0.1, 5.0, "centre of mass of the body above the rail", "body_height", True),
-    "frame_height": Entry("m", 0.05, 5.0, "centre of mass of a bogie frame above the rail", "frame_height", True),
-    "secondary_height": Entry("m", 0.05, 5.0, "secondary springs above the rail", "secondary_height", True),
-    "coupler_height": Entry("m", 0.05, 5.0, "couplers above the rail", "coupler_height", True),
+ENTRIES = by_name(
+    Quantity("axles", "1", 2, 6, "number of wheelsets: 2, 4 or 6"),
+    Quantity("tare", "kg", LEAST_BODY, HEAVIEST, "mass of the empty vehicle on the rails"),
+    Quantity("load", "kg", 0.0, HEAVIEST, "load in or on the body", above_0=50.0),
+    Quantity("bogie_frame_mass", "kg", LEAST_FRAME, HEAVIEST, "one bogie without its wheelsets"),
+    Quantity("wheelset_mass", "kg", LEAST_WHEELSET, HEAVIEST, "one wheelset"),
+    Quantity("rotating_mass", "kg", LEAST_WHEELSET, HEAVIEST, "equivalent mass of all rotating parts at the rims"),
+    Quantity("wheel_diameter", "m", 2 * SMALLEST_RADIUS, 2 * LARGEST_RADIUS, "at the tread"),
+    Quantity("length", "m", 1.0, LONGEST_VEHICLE, "over the couplers"),
+    Quantity("pivot_distance", "m", 0.5, LONGEST_VEHICLE, "between the middles of both bogies"),
+    Quantity("wheel_base", "m", 0.1, LONGEST_VEHICLE, "between neighbouring axles of a bogie, or of 2 axles"),
+    Quantity("body_height", "m", 0.1, 5.0, "centre of mass of the body above the rail"),
+    Quantity("frame_height", "m", 0.05, 5.0, "centre of mass of a bogie frame above the rail"),
+    Quantity("secondary_height", "m", 0.05, 5.0, "secondary springs above the rail"),
+    Quantity("coupler_height", "m", 0.05, 5.0, "couplers above the rail"),
+)
+#: Entries that are heights above the rail; the set has those above the axles.
+HEIGHTS = ("body_height", "frame_height", "secondary_height", "coupler_height")
+#: Parameter of the set that an entry alone gives, by the entry.
+PARAMETER_OF = {
+    **{"bogie_frame_mass": "frame_mass", "wheel_diameter": "wheel_radius", "length": "coupler_distance"},
+    **{name: name for name in ("wheelset_mass", "pivot_distance", "wheel_base", *HEIGHTS)},
 }
 #: Running resistance a + b v + c v^2 of the whole vehicle (Davis 1926): the FMU's parameters, and the entries.
-RESISTANCE: Mapping[str, tuple[str, Entry]] = {
-    "constant": ("davis_constant", Entry("N", 0.0, 1e6, "a")),
-    "linear": ("davis_linear", Entry("N.s/m", 0.0, 1e6, "b")),
-    "quadratic": ("davis_quadratic", Entry("N.s2/m2", 0.0, 1e6, "c")),
+RESISTANCE: Mapping[str, tuple[str, Quantity]] = {
+    "constant": ("davis_constant", Quantity("constant", "N", 0.0, 1e6, "a")),
+    "linear": ("davis_linear", Quantity("linear", "N.s/m", 0.0, 1e6, "b")),
+    "quadratic": ("davis_quadratic", Quantity("quadratic", "N.s2/m2", 0.0, 1e6, "c")),
 }
 
 
-def parameter_entry(item: Field[Any]) -> Entry:
+def parameter_entry(item: Field[Any]) -> Quantity:
     """Return the entry for a parameter of a set, by its unit and limits."""
     about = item.metadata
     whole = about["kind"] == "integer"
     above_0 = SOFTEST if about["unit"] == "N/m" else 0.0
-    return Entry(about["unit"], about["minimum"], about["maximum"], about["description"], whole=whole, above_0=above_0)
+    return Quantity(item.name, about["unit"], about["minimum"], about["maximum"], about["description"], whole, above_0)
 
 
-def number_of(entry: Entry, value: Any, name: str) -> float:
+def number_of(entry: Quantity, value: Any, name: str) -> float:
     """Return a number of a file in SI units."""
-    found: float | None = None
-    if isinstance(value, str):
-        found = number_in(value, entry.unit)
-    elif is_number(value):
-        found = float(value)
+    found = number_in(value, entry.unit) if isinstance(value, str) else float(value) if is_number(value) else None
     inside = found is not None and math.isfinite(found) and entry.least <= found <= entry.most
-    limits = f"{name} must be {_limits(entry)}; got {shown(value)}."
-    bare = not isinstance(value, str) or not value.strip()[-1:].isalpha()
-    if found is not None and 0.0 < found < entry.above_0:
-        raise ValueError(limits + (likely_unit(found, entry.unit, entry.above_0, entry.most) if bare else ""))
-    if found is not None and inside and not (entry.whole and found != int(found)):
-        return found
-    if inside:
-        raise ValueError(limits + " Round it.")
-    if found is None and isinstance(value, str) and "," in value:
-        raise ValueError(limits + " Write a decimal point instead of the comma.")
+    limits = f"an integer from {entry.least:g} to {entry.most:g}"
+    if not entry.whole:
+        none = "0 or " if entry.above_0 and entry.least <= 0.0 else ""
+        limits = f"{none}from {max(entry.least, entry.above_0):g} to {entry.most:g}{entry.of_unit}"
+    said = f"{name} must be {limits}; got {shown(value)}."
     if found is None:
-        those = different_units(entry.unit)[:5]
-        raise ValueError(limits + ("" if entry.unit == "1" else f" Write a number with a unit of {', '.join(those)}."))
-    raise ValueError(limits + (likely_unit(found, entry.unit, entry.least, entry.most) if bare else ""))
-
-
-def _limits(entry: Entry) -> str:
-    unit = "" if entry.unit == "1" else f" {entry.unit}"
-    if entry.whole:
-        return f"an integer from {entry.least:g} to {entry.most:g}"
-    none = "0 or " if entry.above_0 and entry.least <= 0.0 else ""
-    return f"{none}from {max(entry.least, entry.above_0):g} to {entry.most:g}{unit}"
+        if isinstance(value, str) and "," in value:
+            raise ValueError(f"{said} Write a decimal point instead of the comma.")
+        units = (
+            "" if entry.unit == "1" else f" Write a number with a unit of {', '.join(different_units(entry.unit)[:5])}."
+        )
+        raise ValueError(said + units)
+    is_small = 0.0 < found < entry.above_0
+    if inside and not is_small and entry.whole and found != int(found):
+        raise ValueError(f"{said} Round it.")
+    if inside and not is_small:
+        return found
+    least = entry.above_0 if is_small else entry.least
+    bare = not isinstance(value, str) or not value.strip()[-1:].isalpha()
+    raise ValueError(said + (likely_unit(found, entry.unit, least, entry.most) if bare else ""))
 
 
 def choice_of(choices: Collection[str], value: Any, name: str, remedy: str) -> str:

@@ -14,7 +14,9 @@ from products.vehicle_brakes import BRAKE_ENTRIES, SheetBrake, brake_of_sheet, w
 from products.vehicle_entries import (
     ENTRIES,
     HEAVIEST,
+    HEIGHTS,
     LIKE,
+    PARAMETER_OF,
     RESISTANCE,
     check_names,
     choice_of,
@@ -317,12 +319,12 @@ def _from_entries(base: BogieParameters, given: Mapping[str, float]) -> dict[str
     radius = given.get("wheel_diameter", 2 * base.wheel_radius) / 2
     found: dict[str, float] = {}
     for key, value in given.items():
-        entry = ENTRIES[key]
-        if not entry.parameter:
+        parameter = PARAMETER_OF.get(key)
+        if parameter is None:
             continue
-        if entry.parameter not in base.values():
+        if parameter not in base.values():
             raise ValueError(f"{key} must be left out for a vehicle like the bogie; got {value:g}. It has one body.")
-        found[entry.parameter] = value / 2 if key == "wheel_diameter" else value - (radius if entry.above_rail else 0.0)
+        found[parameter] = value / 2 if key == "wheel_diameter" else value - (radius if key in HEIGHTS else 0.0)
     return found
 
 

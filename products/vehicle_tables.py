@@ -6,25 +6,26 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from products.vehicle_entries import Entry, check_names, number_of
+from products.vehicle_entries import check_names, number_of
 from rbd_model.vehicle.description import BumpStop, Size, Sum, TableDamper, Vehicle
 from rbd_model.vehicle.force_table import damper_fault, spring_fault
+from readers.quantity import Quantity, by_name
 from readers.text import shown
 
-HEIGHT = Entry("m", 0.05, 5.0, "above the rail (default: that of the secondary springs)")
+HEIGHT = Quantity("height", "m", 0.05, 5.0, "above the rail (default: that of the secondary springs)")
 #: Entries of each table of a file. The first two are lists: the points of the force.
-FORCE_TABLES: Mapping[str, Mapping[str, Entry]] = {
-    "bump_stop": {
-        "travel": Entry("m", 0.0, 1.0, "lateral travels of body over frame, rising; the first is the clearance"),
-        "force": Entry("N", 0.0, 1e8, "of the stop of a bogie at these travels, from 0 on"),
-        "height": HEIGHT,
-    },
-    "yaw_damper": {
-        "rate": Entry("m/s", 0.0, 10.0, "longitudinal rates of body over frame, rising from 0"),
-        "force": Entry("N", 0.0, 1e8, "of each damper at these rates, from 0 on; the last slope continues"),
-        "half_spacing": Entry("m", 0.01, 3.0, "half of the lateral distance of both dampers of a bogie"),
-        "height": HEIGHT,
-    },
+FORCE_TABLES = {
+    "bump_stop": by_name(
+        Quantity("travel", "m", 0.0, 1.0, "lateral travels of body over frame, rising; the first is the clearance"),
+        Quantity("force", "N", 0.0, 1e8, "of the stop of a bogie at these travels, from 0 on"),
+        HEIGHT,
+    ),
+    "yaw_damper": by_name(
+        Quantity("rate", "m/s", 0.0, 10.0, "longitudinal rates of body over frame, rising from 0"),
+        Quantity("force", "N", 0.0, 1e8, "of each damper at these rates, from 0 on; the last slope continues"),
+        Quantity("half_spacing", "m", 0.01, 3.0, "half of the lateral distance of both dampers of a bogie"),
+        HEIGHT,
+    ),
 }
 #: Entries of numbers that a table must have.
 REQUIRED = ("half_spacing",)

@@ -6,7 +6,7 @@ import json
 from dataclasses import fields
 from pathlib import Path
 
-from products.vehicle_entries import ENTRIES, LIKE, RESISTANCE, Entry, number_of
+from products.vehicle_entries import ENTRIES, HEIGHTS, LIKE, PARAMETER_OF, RESISTANCE, number_of
 from products.vehicle_file import DataSheet
 from products.vehicle_tables import rows_of_tables
 from rbd_model.vehicle.parameters import VehicleParameters
@@ -44,9 +44,9 @@ def toml_of_sheet(sheet: DataSheet) -> str:
     """
     values = sheet.parameters.values()
     rows = [f"name = {_literal(sheet.name)}", f"like = {_literal(sheet.like)}", f"axles = {sheet.axles}"]
-    entries = {key: text for key, entry in ENTRIES.items() if (text := _exact(key, entry, values)) is not None}
+    entries = {key: text for key in ENTRIES if key in PARAMETER_OF and (text := _exact(key, values)) is not None}
     rows += [f"{key} = {_literal(text)}" for key, text in entries.items()]
-    written = {ENTRIES[key].parameter for key in entries}
+    written = {PARAMETER_OF[key] for key in entries}
     tables = ", ".join(_literal(str(path)) for path in sheet.profile_files)
     rows += [f"profile_file = [{tables}]"] if tables else []
     if sheet.resistance:
@@ -70,17 +70,16 @@ def _literal(value: str | float) -> str:
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f") if isinstance(value, str) else repr(value)
 
 
-def _exact(key: str, entry: Entry, values: dict[str, float]) -> str | None:
+def _exact(key: str, values: dict[str, float]) -> str | None:
     """Return the text of an entry that gives a parameter exactly, or None."""
-    if entry.parameter not in values:
+    if PARAMETER_OF[key] not in values:
         return None
-    radius = values["wheel_radius"]
-    own = values[entry.parameter]
-    stated = 2 * own if key == "wheel_diameter" else own + (radius if entry.above_rail else 0.0)
+    own, above = values[PARAMETER_OF[key]], values["wheel_radius"] if key in HEIGHTS else 0.0
+    stated = 2 * own if key == "wheel_diameter" else own + above
     stated = float(f"{stated:.12g}")
-    text = f"{stated!r} {entry.unit}"
-    back = number_of(entry, text, key)
-    again = back / 2 if key == "wheel_diameter" else back - (radius if entry.above_rail else 0.0)
+    text = f"{stated!r} {ENTRIES[key].unit}"
+    back = number_of(ENTRIES[key], text, key)
+    again = back / 2 if key == "wheel_diameter" else back - above
     return text if again == own else None
 
 

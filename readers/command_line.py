@@ -14,14 +14,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn
 
+from readers.quantity import decimal_comma, number_in
 from readers.renamed import present_name
 from readers.storage import PARTIAL, writing
 from readers.text import BadInputError, shown
-from readers.units import different_units, factor
+from readers.units import different_units
 from readers.usual import likely_unit, usual_range
 
-#: A number and its unit.
-NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 #: An argument that begins so is a negative value, not an option.
 NEGATIVE = re.compile(r"-(\d|\.\d)")
 #: Share of letters in common from which an option is suggested.
@@ -130,21 +129,6 @@ def whole(name: str, least: int, most: int | None = None) -> Callable[[str], int
         raise argparse.ArgumentTypeError(f"{name} must be an integer {limit}; got {shown(text)}.")
 
     return read
-
-
-def number_in(text: str, unit: str) -> float | None:
-    """Return a number, with or without its unit, in `unit`; None if it is not a number in a unit that converts."""
-    found = NUMBER.fullmatch(text.strip())
-    if not found:
-        return None
-    times = (1.0, 1.0) if found[2] is None else None if unit == "1" else factor(found[2], unit)
-    return None if times is None else float(found[1]) * times[0] / times[1]
-
-
-def decimal_comma(text: object, unit: str) -> str:
-    """Return the remedy for a number with a decimal comma, or nothing if that is not the fault."""
-    point = text.replace(",", ".") if isinstance(text, str) and text.count(",") == 1 else ""
-    return f" Write a decimal point: {point.strip()}." if point and number_in(point, unit) is not None else ""
 
 
 def _limits(unit: str, least: float, most: float, above: bool) -> str:

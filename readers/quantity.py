@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from readers.columns import number_of
 from readers.documents import is_number
@@ -31,6 +31,12 @@ def number_in(text: str, unit: str) -> float | None:
         return None
     times = (1.0, 1.0) if found[2] is None else None if unit == "1" else factor(found[2], unit)
     return None if times is None else float(found[1]) * times[0] / times[1]
+
+
+def decimal_comma(text: object, unit: str) -> str:
+    """Return the remedy for a number with a decimal comma, or nothing if that is not the fault."""
+    point = text.replace(",", ".") if isinstance(text, str) and text.count(",") == 1 else ""
+    return f" Write a decimal point: {point.strip()}." if point and number_in(point, unit) is not None else ""
 
 
 @dataclass(frozen=True)
@@ -98,6 +104,9 @@ class Quantity:
         return number
 
 
-def by_name(*quantities: Quantity) -> dict[str, Quantity]:
+AnyQuantity = TypeVar("AnyQuantity", bound=Quantity)
+
+
+def by_name(*quantities: AnyQuantity) -> dict[str, AnyQuantity]:
     """Return quantities by their names."""
     return {one.name: one for one in quantities}

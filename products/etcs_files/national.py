@@ -12,8 +12,8 @@ from fmu_src.suggestion import suggestion
 from products.supervision.arguments import path_of, within
 from products.supervision.steps import Steps
 from products.supervision.values import RANGES, NationalValues
-from readers.command_line import decimal_comma, number_in
 from readers.documents import is_number
+from readers.quantity import decimal_comma, number_in
 from readers.text import BadInputError, FileError, shown
 from readers.toml_files import toml_of
 

@@ -1,26 +1,41 @@
-"""Trains of other programs by the names of their files."""
+"""Trains of other programs: the reader of a file by the end of its name, built-in or of an installed package.
+
+A package adds a format by an entry point of the group `bogie_braking.trains`. Its name is the end of the file's name
+without the dot; it loads a function of the path that returns an `Imported`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from readers.import_account import Imported
 from readers.text import FileError, shown
 
-#: Program, module and function by the end of a file's name, in small letters.
-FORMATS = {
-    ".con": ("Open Rails and MSTS", "open_rails", "read_open_rails"),
-    ".eng": ("Open Rails and MSTS", "open_rails", "read_open_rails"),
-    ".wag": ("Open Rails and MSTS", "open_rails", "read_open_rails"),
-    ".json": ("OSRD", "osrd", "read_osrd"),
-    ".yaml": ("ALTRIOS", "altrios", "read_altrios"),
-    ".yml": ("ALTRIOS", "altrios", "read_altrios"),
-    ".dat": ("OpenBVE", "openbve", "read_openbve"),
-    ".xml": ("railML", "railml", "read_railml"),
-    ".railml": ("railML", "railml", "read_railml"),
-}
+GROUP = "bogie_braking.trains"
+#: Built-in formats: program, ends of names, module and function.
+BUILT_IN = (
+    ("Open Rails and MSTS", ("con", "eng", "wag"), "open_rails:read_open_rails"),
+    ("OSRD", ("json",), "osrd:read_osrd"),
+    ("ALTRIOS", ("yaml", "yml"), "altrios:read_altrios"),
+    ("OpenBVE", ("dat",), "openbve:read_openbve"),
+    ("railML", ("xml", "railml"), "railml:read_railml"),
+)
+
+
+def formats() -> dict[str, tuple[str, EntryPoint]]:
+    """Return program and reader by the end of a file's name, in small letters; built-in ones come first."""
+    found = {
+        f".{end}": (program, EntryPoint(end, f"{__package__}.{reader}", GROUP))
+        for program, ends, reader in BUILT_IN
+        for end in ends
+    }
+    others = {f".{one.name}": (one.dist.name if one.dist else one.module, one) for one in entry_points(group=GROUP)}
+    return found | {end: one for end, one in others.items() if end not in found}
+
+
+FORMATS = formats()
 
 
 def is_foreign(path: Path) -> bool:
@@ -35,11 +50,9 @@ def program_of(path: Path) -> str:
 
 def read_foreign(path: Path) -> Imported:
     """Return the train in a file of another program."""
-    found = FORMATS.get(path.suffix.lower())
-    if found is None:
+    if not is_foreign(path):
         raise FileError(
             f"{path} must end in one of {', '.join(FORMATS)}; got {shown(path.suffix or path.name)}. Rename it."
         )
-    module = import_module(f"{__package__}.{found[1]}")
-    reader: Callable[[Path], Imported] = getattr(module, found[2])
+    reader: Callable[[Path], Imported] = FORMATS[path.suffix.lower()][1].load()
     return reader(path)

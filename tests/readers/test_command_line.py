@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from bogie_braking.commands import COMMANDS, parser_of
-from readers.command_line import CommandLine, check_folder, number_in, quantity, whole
+from readers.command_line import CommandLine, check_folder, quantity, whole
+from readers.quantity import number_in
 from readers.text import BadInputError
 
 

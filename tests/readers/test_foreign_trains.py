@@ -7,13 +7,15 @@ import os
 import re
 import sys
 from importlib import import_module
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from readers.formats import trains
 from readers.formats.openbve import motor_cars
-from readers.formats.trains import FORMATS, read_foreign
+from readers.formats.trains import FORMATS, GROUP, read_foreign
 from readers.formats.vehicle_rows import LONGEST
 from readers.import_account import Imported
 from readers.text import FileError
@@ -577,6 +579,14 @@ def test_a_damaged_file_is_refused_in_one_sentence(name: str, text: str, sentenc
     assert sentence in str(refused.value)
     assert "\n" not in str(refused.value)
     assert str(tmp_path / name) in str(refused.value)
+
+
+def test_a_package_adds_a_format_by_an_entry_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    added = [EntryPoint(name, "readers.formats.osrd:read_osrd", GROUP) for name in ("sim", "con")]
+    monkeypatch.setattr(trains, "entry_points", lambda group: added if group == GROUP else [])
+    assert list(trains.formats()) == [*FORMATS, ".sim"]
+    assert trains.formats()[".sim"][1].load().__name__ == "read_osrd"
+    assert trains.formats()[".con"] == FORMATS[".con"]
 
 
 @pytest.mark.parametrize("ending", FORMATS)
