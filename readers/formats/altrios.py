@@ -21,39 +21,43 @@ from pathlib import Path
 from typing import Any
 
 from readers.formats.any_case import in_any_case
-from readers.formats.vehicle_rows import AIR, GRAVITY, MOST, checked, fitting, named_number, rounded, whole_train
+from readers.formats.vehicle_rows import (
+    AIR,
+    GRAVITY,
+    MOST,
+    checked,
+    fitting,
+    named_number,
+    printable,
+    rounded,
+    whole_train,
+)
 from readers.import_account import Imported, Notes, Row
 from readers.text import FileError, quoted, shown
 from readers.yaml_files import yaml_of
 
-#: Spellings of each number of a car, the newest first.
-SPELLINGS: dict[str, tuple[str, ...]] = {
-    "length": ("length_meters", "length", "Length (m)"),
-    "axles": ("axle_count", "Axle Count"),
-    "base": ("mass_static_base_kilograms", "mass_static_base", "Mass Static Base (kg)"),
-    "freight": ("mass_freight_kilograms", "mass_freight", "Mass Freight (kg)"),
-    "static": ("mass_static_kilograms", "mass_static", "Mass Static Loaded (kg)"),
-    "ratio": ("braking_ratio", "Braking Ratio", "Braking Ratio Loaded"),
-    "rotating": ("mass_rot_per_axle_kilograms", "mass_rot_per_axle", "mass_extra_per_axle", "Mass Extra per Axle (kg)"),
-    "bearing": ("bearing_res_per_axle_newtons", "bearing_res_per_axle", "Bearing Res per Axle (N)"),
-    "rolling": ("rolling_ratio", "Rolling Ratio"),
-    "davis_b": ("davis_b_seconds_per_meter", "davis_b", "Davis B (s/m)"),
-    "area": ("cd_area_square_meters", "cd_area", "drag_area", "Cd*A (m^2)", "Drag Area Cd*A Loaded (m^2)"),
+#: Limits and unit of each number of a car, and its spellings, the newest first.
+_NUMBERS: dict[str, tuple[tuple[float, float, str], tuple[str, ...]]] = {
+    "length": ((1.0, 1000.0, "m"), ("length_meters", "length", "Length (m)")),
+    "axles": ((1, 400, ""), ("axle_count", "Axle Count")),
+    "base": ((100.0, 1e7, "kg"), ("mass_static_base_kilograms", "mass_static_base", "Mass Static Base (kg)")),
+    "freight": ((0.0, 1e7, "kg"), ("mass_freight_kilograms", "mass_freight", "Mass Freight (kg)")),
+    "static": ((100.0, 1e7, "kg"), ("mass_static_kilograms", "mass_static", "Mass Static Loaded (kg)")),
+    "ratio": ((0.0, 2.0, ""), ("braking_ratio", "Braking Ratio", "Braking Ratio Loaded")),
+    "rotating": (
+        (0.0, 1e5, "kg"),
+        ("mass_rot_per_axle_kilograms", "mass_rot_per_axle", "mass_extra_per_axle", "Mass Extra per Axle (kg)"),
+    ),
+    "bearing": ((0.0, 1e5, "N"), ("bearing_res_per_axle_newtons", "bearing_res_per_axle", "Bearing Res per Axle (N)")),
+    "rolling": ((0.0, 0.1, ""), ("rolling_ratio", "Rolling Ratio")),
+    "davis_b": ((0.0, 1.0, "s/m"), ("davis_b_seconds_per_meter", "davis_b", "Davis B (s/m)")),
+    "area": (
+        (0.0, 100.0, "m2"),
+        ("cd_area_square_meters", "cd_area", "drag_area", "Cd*A (m^2)", "Drag Area Cd*A Loaded (m^2)"),
+    ),
 }
-#: Limits of each number.
-LIMITS: dict[str, tuple[float, float, str]] = {
-    "length": (1.0, 1000.0, "m"),
-    "axles": (1, 400, ""),
-    "base": (100.0, 1e7, "kg"),
-    "freight": (0.0, 1e7, "kg"),
-    "static": (100.0, 1e7, "kg"),
-    "ratio": (0.0, 2.0, ""),
-    "rotating": (0.0, 1e5, "kg"),
-    "bearing": (0.0, 1e5, "N"),
-    "rolling": (0.0, 0.1, ""),
-    "davis_b": (0.0, 1.0, "s/m"),
-    "area": (0.0, 100.0, "m2"),
-}
+LIMITS = {name: limits for name, (limits, _) in _NUMBERS.items()}
+SPELLINGS = {name: spellings for name, (_, spellings) in _NUMBERS.items()}
 #: Numbers that are 0 where a car does not have them; ALTRIOS itself refuses such a car.
 OPTIONAL = {"freight", "rotating", "bearing", "davis_b", "area"}
 
@@ -105,11 +109,7 @@ def car_of(read: Mapping[str, Any], source: str) -> Car:
         numbers["mass"] = _number(read, "static", source)
     stated = {what for what, names in SPELLINGS.items() if any(read.get(one) is not None for one in names)}
     due = OPTIONAL if "base" in stated else OPTIONAL - {"freight"}
-    return Car(_printable(name), numbers, tuple(SPELLINGS[what][0] for what in due - stated))
-
-
-def _printable(name: Any) -> str:
-    return "".join(one if one.isprintable() else " " for one in str(name))[:60].strip() or "car"
+    return Car(printable(name, "car"), numbers, tuple(SPELLINGS[what][0] for what in due - stated))
 
 
 #: Spellings of a locomotive's numbers.

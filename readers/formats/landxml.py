@@ -3,6 +3,8 @@
 Names and meanings are those of the schema LandXML-1.2. `rot` cw is a curve to the right, `radiusStart` INF is straight.
 Stations and lengths are those of the plan. A ParaCurve is a parabola of a given length about its point of intersection.
 Cant is stated in mm, or in inches if units are imperial, as writers of railway alignments do; the schema has no unit.
+In LandXML 1.2 `length` of Line and Curve, and `radius` of Curve, are optional; Start, End and Center are not. Their
+points are then read: northing and easting, and perhaps a height (LandXML-1.2.xsd, PointType).
 """
 
 from __future__ import annotations

@@ -9,9 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from readers.formats.any_case import in_any_case
-from readers.formats.open_rails_coupler import coupler_of
 from readers.formats.open_rails_text import Block, Reader
-from readers.formats.open_rails_vehicle import vehicle_of
+from readers.formats.open_rails_vehicle import coupler_of, vehicle_of
 from readers.formats.vehicle_rows import MOST, fitting, rounded, whole_train
 from readers.import_account import Imported, Notes, Row
 from readers.text import FileError

@@ -4,18 +4,225 @@
 shoes, before it. A file without a type of shoe has no law of friction: Open Rails then takes MaxBrakeForce at a
 friction of 0.20, and multiplies it by (7.6 / (V + 17.5) + 0.07) / 0.20, V in km/h, where this is below 1 (its source,
 TrainCar.cs).
+
+A consist has mu = fast + (standing - fast) V2 / (V + V2), the speed dependence of all published laws of blocks and pads
+(Karwatzki). It is fitted to the table with the friction at standstill of the table, to which MaxBrakeForce belongs.
+
+In Open Rails a triple valve releases wholly as the pipe rises, and an emergency reservoir acts in emergencies (its
+source, AirSinglePipe.cs). Both together are the marks of North American valves, `distributor = aar`. The force of such
+a vehicle is stated at a cylinder pressure; that of a full service is what its reservoir and cylinder balance at.
 """
 
 from __future__ import annotations
 
 import math
+from itertools import pairwise
+
+import numpy as np
 
 from readers.formats.open_rails_fields import Fields
-from readers.formats.open_rails_friction import friction_of_table
 from readers.formats.open_rails_units import PSI
-from readers.formats.open_rails_valve import NORTH_AMERICAN, service_share, tell_own, valve_of
 from readers.formats.vehicle_rows import rounded
 from readers.import_account import Notes, Row
+from readers.text import FileError, quoted
+
+#: Words of BrakeEquipmentType that Open Rails and MSTS have; the spelling Auxilary_reservoir is theirs.
+EQUIPMENT = (
+    *("triple_valve", "graduated_release_triple_valve", "distributor", "distributing_valve"),
+    *("auxilary_reservoir", "auxiliary_reservoir", "emergency_brake_reservoir", "retainer_3_position"),
+    *("retainer_4_position", "handbrake", "manual_brake", "vacuum_brake", "air_brake", "ep_brake", "ecp_brake"),
+    *("supply_reservoir", "emergency_solenoid_valve"),
+)
+#: Speeds V2 that are tried [km/h], the number of speeds at which a fit is compared, and its least friction.
+HALF_SPEEDS, SAMPLES, LEAST_FRICTION = np.geomspace(1.0, 1000.0, 601), 201, 0.001
+#: Relative deviation from a table below which its friction is constant.
+NEARLY_CONSTANT = 1e-3
+#: Relative deviation from which a table is told to be unusual.
+FAR = 0.05
+
+
+def friction_of_table(fields: Fields, notes: Notes, at_rims: bool) -> Row:
+    """Return the friction of ORTSBrakeShoeFriction, a row without columns if the file has no such table."""
+    table = _table(fields)
+    if not table:
+        return {}
+    speeds, frictions = np.array(table).T
+    standing = float(np.interp(0.0, speeds, frictions))
+    if float(np.ptp(frictions)) <= NEARLY_CONSTANT * standing:
+        notes.converted("ORTSBrakeShoeFriction: one value at all speeds -> friction = constant")
+        return {"friction": "constant"} | ({} if at_rims else {"friction_value": rounded(standing)})
+    fast, half, deviation = fitted(speeds, frictions)
+    notes.converted(
+        f"ORTSBrakeShoeFriction -> friction = speed: {standing:.3g} at standstill, fast {fast:.3g}, half of the change "
+        f"at {half:.3g} km/h; largest deviation from the table {100 * deviation:.1f} %."
+    )
+    if deviation > FAR:
+        notes.assumed(
+            f"ORTSBrakeShoeFriction: friction = speed deviates by {100 * deviation:.0f} % from the table, which does "
+            "not fall or rise as that of shoes does. Check it."
+        )
+    row = {"friction_value": standing, "friction_fast": fast, "friction_speed": half}
+    return {"friction": "speed"} | {name: rounded(value) for name, value in row.items()}
+
+
+def fitted(speeds: np.ndarray, frictions: np.ndarray) -> tuple[float, float, float]:
+    """Return friction at a high speed, V2 [km/h] and the largest relative deviation of the fit to a table.
+
+    Takes speeds, frictions [km/h] (rows,).
+    """
+    at = np.linspace(0.0, speeds[-1], SAMPLES)
+    wanted = np.interp(at, speeds, frictions)
+    left = HALF_SPEEDS[:, None] / (at + HALF_SPEEDS[:, None])  # share of the friction at standstill
+    gains = (1.0 - left) / wanted
+    fast = np.sum(gains * (1.0 - left * wanted[0] / wanted), axis=1) / np.sum(gains**2, axis=1)
+    fast = np.clip(fast, LEAST_FRICTION, 1.0)
+    off = np.max(np.abs((left * wanted[0] + (1.0 - left) * fast[:, None]) / wanted - 1.0), axis=1)
+    best = int(np.argmin(off))
+    return float(fast[best]), float(HALF_SPEEDS[best]), float(off[best])
+
+
+def _table(fields: Fields) -> list[tuple[float, float]]:
+    """Return speeds [km/h] that grow, and friction, none if the file has no such table. Raises FileError."""
+    block = fields.blocks.get("ortsbrakeshoefriction")
+    if block is None:
+        return []
+    numbers = [_number(word) for word in block.words]
+    pairs = list(zip(numbers[::2], numbers[1::2], strict=False))
+    good = len(pairs) >= 2 and len(numbers) % 2 == 0 and all(a >= 0.0 and 0.01 <= b <= 1.0 for a, b in pairs)
+    if good and all(b[0] > a[0] for a, b in pairwise(pairs)):
+        return pairs
+    raise FileError(
+        f"{block.source}, row {block.row}: ORTSBrakeShoeFriction must be pairs of a speed that grows, in km/h, and a "
+        f"friction from 0.01 to 1; got {quoted(' '.join(block.words))}. Correct it."
+    )
+
+
+def _number(text: str) -> float:
+    """Return the number of a word, NaN if it is not one."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+#: Distributors with volumes and pressures of their own.
+NORTH_AMERICAN = ("aar", "ecp")
+#: Pressure of a charged pipe [bar] (AAR), and ratio of reservoir to cylinder that Open Rails takes by default.
+CHARGED, RATIO = 90 * PSI, 2.5
+#: Fields of volumes, which those distributors have themselves, and of filling, which the pipe limits in `aar`.
+OWN = (
+    *("ORTSAuxiliaryResCapacity", "EmergencyResCapacity", "EmergencyResVolumeMultiplier", "ORTSBrakeCylinderVolume"),
+    *("ORTSBrakeCylinderDiameter", "ORTSBrakeCylinderPistonTravel", "ORTSNumberBrakeCylinders"),
+)
+FILLING = ("MaxApplicationRate", "BrakeDistributorApplicationRate")
+_RETAINERS = ("retainer_3_position", "retainer_4_position")
+
+
+def valve_of(system: str, fields: Fields, notes: Notes) -> Row:
+    """Return the kind of brake and distributor of a vehicle; `system`: its BrakeSystemType in small letters."""
+    words = [one.strip() for one in fields.word("BrakeEquipmentType").split(",")]
+    for word in words:
+        if word and word not in EQUIPMENT:
+            notes.left(f"BrakeEquipmentType: the word {quoted(word)} is unknown, and Open Rails ignores it.")
+    row = _system(system, fields, notes)
+    if row == {"brake": "pneumatic"} and "triple_valve" in words and not _is_graduated(words):
+        row |= _triple_valve(words, notes)
+    _tell_equipment(words, row, notes)
+    return row | _accelerated(row, fields, notes)
+
+
+def service_share(fields: Fields, most: float | None, reference: float | None) -> float:
+    """Return the pressure of a full service over that of the stated force, of a triple valve.
+
+    Boyle's law in gauge pressures, from a pipe of 90 psi: 90 r / (1 + r), at most the largest pressure.
+
+    Takes most, reference [bar].
+    """
+    ratio = fields.number("TripleValveRatio", "1")
+    ratio = ratio if ratio and ratio > 0.0 else RATIO
+    largest = most or reference or 64 * PSI
+    return min(CHARGED * ratio / (1.0 + ratio), largest) / (reference or largest)
+
+
+def tell_own(distributor: str, fields: Fields, notes: Notes) -> None:
+    """Report times and volumes of a file that a distributor has itself."""
+    own = OWN if distributor == "ecp" else (*OWN, *FILLING)
+    if told := [name for name in own if fields.has(name)]:
+        what = "volumes" if distributor == "ecp" else "volumes and time of filling"
+        notes.left(f"{', '.join(told)}: distributor = {distributor} has its own {what}.")
+
+
+def _is_graduated(words: list[str]) -> bool:
+    return "distributor" in words or "graduated_release_triple_valve" in words
+
+
+def _system(system: str, fields: Fields, notes: Notes) -> Row:
+    """Return the kind of brake by BrakeSystemType."""
+    if system.startswith(("vacuum", "straight_vacuum")):
+        notes.assumed("BrakeSystemType: a vacuum brake is simulated as a compressed-air brake of equal force.")
+    elif system in ("ep", "ecp", "sme"):
+        if fields.word("ORTSEPBrakeControlsBrakePipe").startswith("1"):
+            notes.converted("ORTSEPBrakeControlsBrakePipe: valves at each vehicle's pipe -> distributor = ep_uic")
+            return {"brake": "pneumatic", "distributor": "ep_uic"}
+        if system == "ecp":
+            notes.taken("BrakeSystemType ECP -> distributor = ecp, with 1.2 times the force in an emergency")
+            return {"brake": "pneumatic", "distributor": "ecp"}
+        notes.taken(f"BrakeSystemType {system.upper()} -> brake = ep-direct")
+        return {"brake": "ep-direct"}
+    elif system.startswith("air_twin_pipe"):
+        notes.taken("BrakeSystemType Air_twin_pipe -> distributor = twin_pipe")
+        return {"brake": "pneumatic", "distributor": "twin_pipe"}
+    elif system.startswith("air_single_pipe"):
+        notes.taken("BrakeSystemType -> brake = pneumatic")
+    else:
+        notes.assumed(f"BrakeSystemType: {quoted(system) if system else 'missing'}; taken as pneumatic.")
+    return {"brake": "pneumatic"}
+
+
+def _triple_valve(words: list[str], notes: Notes) -> Row:
+    """Return the distributor of a triple valve, whose emergency reservoir shows that it is North American."""
+    if "emergency_brake_reservoir" not in words:
+        notes.left(
+            "BrakeEquipmentType triple_valve without emergency_brake_reservoir: cylinders empty as far as the pipe "
+            "rises; distributor = aar releases wholly, but has its own pressures and volumes."
+        )
+        return {}
+    notes.converted("BrakeEquipmentType triple_valve, emergency_brake_reservoir -> distributor = aar")
+    notes.assumed(
+        "BrakeEquipmentType triple_valve: North American, with 1.2 times the force in an emergency; many European "
+        "files have this word too. Set distributor = uic for gradual release."
+    )
+    return {"distributor": "aar"}
+
+
+def _tell_equipment(words: list[str], row: Row, notes: Notes) -> None:
+    """Report words of BrakeEquipmentType without an effect."""
+    kind = row.get("distributor", "")
+    for word in _RETAINERS:
+        if word in words:
+            remedy = (
+                "it is in its direct position; set retainer = low or high"
+                if kind == "aar"
+                else "it has a column with distributor = aar alone"
+            )
+            notes.left(f"BrakeEquipmentType {word}: {remedy}.")
+    if "emergency_brake_reservoir" in words and kind not in NORTH_AMERICAN:
+        notes.left("BrakeEquipmentType emergency_brake_reservoir: it acts with distributor = aar or ecp alone.")
+
+
+def _accelerated(row: Row, fields: Fields, notes: Notes) -> Row:
+    """Return whether emergency reservoirs feed the pipe in a release, which Open Rails has off by default."""
+    name = "ORTSEmergencyResQuickRelease"
+    if row.get("distributor") != "aar":
+        if fields.has(name):
+            notes.left(f"{name}: it has a column with distributor = aar alone.")
+        return {}
+    if not fields.has(name):
+        notes.assumed(f"{name}: missing; off, as in Open Rails -> accelerated_release = no.")
+        return {"accelerated_release": "no"}
+    notes.taken(f"{name} -> accelerated_release")
+    return {"accelerated_release": "no" if fields.word(name).startswith("0") else "yes"}
+
 
 #: Cylinder pressure of MaxBrakeForce that Open Rails takes where the file has none [bar], and its default rate [bar/s].
 PRESSURE, DEFAULT_RATE = 64 * PSI, 0.9 * PSI

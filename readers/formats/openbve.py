@@ -43,42 +43,27 @@ SECTIONS = {
     "#motor_b1": "motor",
     "#motor_b2": "motor",
 }
-#: Numbers that are read: section, position, name, default, least and most.
-NUMBERS: dict[str, tuple[str, int, float, float, float]] = {
-    "Deceleration": ("performance", 0, 1.0, 0.04, 10.8),
-    "CoefficientOfRollingResistance": ("performance", 3, 0.0025, 0.0, 0.1),
-    "AerodynamicDragCoefficient": ("performance", 4, 1.1, 0.0, 50.0),
-    "DelayBrakeUp": ("delay", 2, 0.0, 0.0, 60.0),
-    "BrakeCylinderUp": ("move", 4, 300.0, 1.0, 1e5),
-    "BrakeCylinderDown": ("move", 5, 200.0, 1.0, 1e5),
-    "BrakeType": ("brake", 0, 0, 0, 2),
-    "BrakeControlSystem": ("brake", 1, 0, 0, 2),
-    "BrakeControlSpeed": ("brake", 2, 0.0, 0.0, 500.0),
-    "BrakeCylinderServiceMaximumPressure": ("pressure", 0, 440.0, 50.0, 2000.0),
-    "BrakeCylinderEmergencyMaximumPressure": ("pressure", 1, 440.0, 50.0, 2000.0),
-    "MotorCarMass": ("car", 0, 1.0, 0.1, 1000.0),
-    "NumberOfMotorCars": ("car", 1, 1, 1, MOST),
-    "TrailerCarMass": ("car", 2, 1.0, 0.0, 1000.0),
-    "NumberOfTrailerCars": ("car", 3, 0, 0, MOST),
-    "LengthOfACar": ("car", 4, 20.0, 1.0, 1000.0),
-    "FrontCarIsAMotorCar": ("car", 5, 1, -1e9, 1e9),
-    "WidthOfACar": ("car", 6, 2.6, 0.1, 10.0),
-    "HeightOfACar": ("car", 7, 3.6, 0.1, 10.0),
-}
-#: Units of numbers that have one, as OpenBVE's manual states them.
-UNITS = {
-    "Deceleration": "km/h/s",
-    "DelayBrakeUp": "s",
-    "BrakeCylinderUp": "kPa/s",
-    "BrakeCylinderDown": "kPa/s",
-    "BrakeControlSpeed": "km/h",
-    "BrakeCylinderServiceMaximumPressure": "kPa",
-    "BrakeCylinderEmergencyMaximumPressure": "kPa",
-    "MotorCarMass": "t",
-    "TrailerCarMass": "t",
-    "LengthOfACar": "m",
-    "WidthOfACar": "m",
-    "HeightOfACar": "m",
+#: Numbers that are read: section, position, name, default, least, most, and unit (OpenBVE's manual).
+NUMBERS: dict[str, tuple[str, int, float, float, float, str]] = {
+    "Deceleration": ("performance", 0, 1.0, 0.04, 10.8, "km/h/s"),
+    "CoefficientOfRollingResistance": ("performance", 3, 0.0025, 0.0, 0.1, ""),
+    "AerodynamicDragCoefficient": ("performance", 4, 1.1, 0.0, 50.0, ""),
+    "DelayBrakeUp": ("delay", 2, 0.0, 0.0, 60.0, "s"),
+    "BrakeCylinderUp": ("move", 4, 300.0, 1.0, 1e5, "kPa/s"),
+    "BrakeCylinderDown": ("move", 5, 200.0, 1.0, 1e5, "kPa/s"),
+    "BrakeType": ("brake", 0, 0, 0, 2, ""),
+    "BrakeControlSystem": ("brake", 1, 0, 0, 2, ""),
+    "BrakeControlSpeed": ("brake", 2, 0.0, 0.0, 500.0, "km/h"),
+    "BrakeCylinderServiceMaximumPressure": ("pressure", 0, 440.0, 50.0, 2000.0, "kPa"),
+    "BrakeCylinderEmergencyMaximumPressure": ("pressure", 1, 440.0, 50.0, 2000.0, "kPa"),
+    "MotorCarMass": ("car", 0, 1.0, 0.1, 1000.0, "t"),
+    "NumberOfMotorCars": ("car", 1, 1, 1, MOST, ""),
+    "TrailerCarMass": ("car", 2, 1.0, 0.0, 1000.0, "t"),
+    "NumberOfTrailerCars": ("car", 3, 0, 0, MOST, ""),
+    "LengthOfACar": ("car", 4, 20.0, 1.0, 1000.0, "m"),
+    "FrontCarIsAMotorCar": ("car", 5, 1, -1e9, 1e9, ""),
+    "WidthOfACar": ("car", 6, 2.6, 0.1, 10.0, "m"),
+    "HeightOfACar": ("car", 7, 3.6, 0.1, 10.0, "m"),
 }
 #: Share of the rate of filling that a brake without a brake pipe has in service.
 SERVICE = 0.3
@@ -137,7 +122,7 @@ def _sections(path: Path, notes: Notes) -> dict[str, list[tuple[int, str]]]:
 
 def _number(name: str, sections: dict[str, list[tuple[int, str]]], path: Path, notes: Notes) -> float:
     """Return a number by its section and position, or its default. Raises FileError."""
-    section, position, default, least, most = NUMBERS[name]
+    section, position, default, least, most, unit = NUMBERS[name]
     lines = sections.get(section, [])
     if position >= len(lines) or not lines[position][1]:
         notes.assumed(f"{name}: missing; OpenBVE's default of {default:g}.")
@@ -145,16 +130,15 @@ def _number(name: str, sections: dict[str, list[tuple[int, str]]], path: Path, n
     row, text = lines[position]
     if section == "delay":
         text = text.split(",")[-1]
-    return _read(text, name, (least, most), f"{path}, row {row}")
+    return _read(text, name, (least, most), f"{path}, row {row}", unit)
 
 
-def _read(text: str, name: str, limits: tuple[float, float], place: str) -> float:
+def _read(text: str, name: str, limits: tuple[float, float], place: str, unit: str = "") -> float:
     """Return the number at the beginning of a line. Raises FileError, also for another unit behind it."""
     found = NUMBER.fullmatch(text.strip())
     if found is None or len(found[1]) > 40:
         raise FileError(f"{place}: {name} must be a number with a decimal point; got {quoted(text)}. Correct it.")
     behind = (found[2] or "").split()
-    unit = UNITS.get(name, "")
     if behind and behind[0] != unit and behind[0][0].isalpha() and quantity_of(behind[0].removesuffix("/s")):
         raise FileError(f"{place}: {name} must be in {unit or 'no unit'}; got {quoted(text)}. Convert it.")
     return checked(float(found[1]), name, limits, "", place)

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from readers.documents import LARGEST, document
-from readers.formats.drive_tables import drive_table, with_motors
 from readers.formats.vehicle_rows import (
     HEAVIEST,
     LIGHTEST,
@@ -22,9 +21,12 @@ from readers.formats.vehicle_rows import (
     SHORTEST,
     checked,
     divided,
+    drive_table,
     named_number,
+    printable,
     rounded,
     whole_train,
+    with_motors,
 )
 from readers.import_account import Imported, Notes, Row
 from readers.text import FileError, shown, text_of
@@ -70,7 +72,12 @@ def read_osrd(path: Path) -> Imported:
             f"An OSRD rolling stock is a whole train: {length:g} m and {mass:g} t become {parts} equal vehicles of "
             f"{length / parts:.4g} m and {mass / parts:.4g} t. A locomotive in it is not told apart."
         )
-    row: Row = {"kind": _kind(read, notes), "name": _name(read, path), "mass": rounded(mass), "length": rounded(length)}
+    row: Row = {
+        "kind": _kind(read, notes),
+        "name": printable(read.get("name", path.stem), "unit"),
+        "mass": rounded(mass),
+        "length": rounded(length),
+    }
     row |= _rotating(read, source, notes) | _resistance(read, mass, source, notes) | _deceleration(read, source, notes)
     row = with_motors(row, _traction(read, source, notes), notes)
     notes.left_of(LEFT, read)
@@ -97,11 +104,6 @@ def _kind(read: dict[str, Any], notes: Notes) -> str:
     else:
         notes.assumed("Kind: coaches, because the file has no primary_category.")
     return kind
-
-
-def _name(read: dict[str, Any], path: Path) -> str:
-    name = str(read.get("name", path.stem))
-    return "".join(one if one.isprintable() else " " for one in name)[:60].strip() or "unit"
 
 
 def _rotating(read: dict[str, Any], source: str, notes: Notes) -> Row:
