@@ -17,7 +17,7 @@ from products.train.consist_columns import COUPLING, FORCE, HEAT, TRACK, TRACTIO
 
 Row = Mapping[str, Any]
 Rule = Callable[[Row], None]
-#: Columns that state a brake's force, one of them in a row; and those without cylinder data.
+#: Columns that state a brake's force, one of them in a row.
 STATEMENTS = ("lambda", "deceleration", "brake_force", "shoe_force", "cylinder_diameter")
 #: Statements of the force at the rims, in which friction is included; the last are those of kinds without a statement.
 AT_RIMS = ("lambda", "deceleration", "brake_force", *(f"the lambda of a {kind}" for kind in PERCENTAGE))
@@ -25,11 +25,8 @@ _BY_PIPE = ("distributor", "position", "auxiliary", "cylinder", *OF_AAR)
 _OF_BRAKE = ("full_pressure", "fill_time", "release_time", *FORCE, *HEAT, "fade_table", "friction", "weighing")
 #: Messages: of columns that need others, and of columns that exclude others.
 WITH, WITHOUT = "{name} must come with {others}", "{name} must be left out with {other}"
-NEEDED, ADD, ONE_OF = (
-    f"{WITH}. Add it, or leave {{name}} out.",
-    f"{WITH}. Add it.",
-    f"{WITH}. Add one of them, or leave",
-)
+NEEDED, ADD = f"{WITH}. Add it, or leave {{name}} out.", f"{WITH}. Add it."
+ONE_OF, LEAVE_ONE = f"{WITH}. Add one of them, or leave", "Leave one of them out."
 IDLE = "{name} has no effect with {other}. Leave it out."
 
 
@@ -57,7 +54,7 @@ def _holding(statements: Iterable[str], row: Row) -> list[str]:
 
 
 def needs(names: Iterable[str], others: Iterable[str], text: str = NEEDED) -> Rule:
-    """Return the rule that each of the statements needs one of others. Its text may name values of the row."""
+    """Return the rule that each statement needs one of the others. Its text may name values of the row."""
 
     def check(row: Row) -> None:
         for name in _holding(names, row):
@@ -68,7 +65,7 @@ def needs(names: Iterable[str], others: Iterable[str], text: str = NEEDED) -> Ru
 
 
 def excludes(names: Iterable[str], others: Iterable[str], text: str) -> Rule:
-    """Return the rule that each of the statements excludes each of others. Its text may name values of the row."""
+    """Return the rule that each statement excludes each of the others. Its text may name values of the row."""
 
     def check(row: Row) -> None:
         for name in _holding(names, row):
@@ -127,16 +124,12 @@ def _check_table(name: str) -> Rule:
 
 
 _DYNAMIC, _TRACTION = ("dynamic_force", "dynamic_table"), ("traction_force", "traction_table")
-_MASSES, _PARKING, _WIRED = (
-    ("wheel_mass", "disc_mass"),
-    ("parking_force", "parking_gradient"),
-    ("brake = ep-direct", "by wire"),
-)
+_MASSES, _PARKING = ("wheel_mass", "disc_mass"), ("parking_force", "parking_gradient")
 _RIGGING = ("cylinders", "rigging_ratio", "rigging_efficiency", "return_force")
 _VALUED = ("friction = constant", "friction = speed")
 _LAWS, _AT_SPEED = tuple(f"friction = {one}" for one in FRICTIONS), ("friction = speed",)
 _OTHER_LAWS = tuple(f"friction = {one}" for one in (*FRICTIONS, *FORCELESS) if one != "constant")
-_TWICE = f"{WITHOUT}, which has the forces. Leave one of them out."
+_TWICE = f"{WITHOUT}, which has the forces. {LEAVE_ONE}"
 _TOGETHER = "friction_ratio and friction_decay must come together: one alone has no effect. Give both."
 _CLOSES = "blending_speed must come with blending = closes, and that with it. Add both, or neither."
 _SHOES = f"a friction that depends on the force of a shoe, one of {', '.join(FRICTIONS)}. Add friction, or leave"
@@ -155,9 +148,7 @@ RULES: tuple[Rule, ...] = (
     excludes(_BY_PIPE, ["brake = ep-direct"], IDLE),
     excludes(["dead_time", *_BY_PIPE, *_OF_BRAKE], ["brake = none"], IDLE),
     _check_distributor,
-    excludes(
-        ["position"], ["both times"], "{name} has no effect with fill_time and release_time. Leave one of them out."
-    ),
+    excludes(["position"], ["both times"], f"{{name}} has no effect with fill_time and release_time. {LEAVE_ONE}"),
     _check_statements,
     needs(_RIGGING, ["cylinder_diameter"], f"{WITH}. Add {{others}}, or leave {{name}} out."),
     needs(["cylinder_diameter"], ["rigging_ratio"], ADD),
@@ -167,9 +158,7 @@ RULES: tuple[Rule, ...] = (
         ["deceleration"],
         "friction must be constant with {other}; got {row[friction]}. State brake_force instead.",
     ),
-    needs(
-        ["friction_value"], _VALUED, "{name} must come with friction = constant or speed. Add it, or leave {name} out."
-    ),
+    needs(["friction_value"], _VALUED, NEEDED.replace("{others}", "friction = constant or speed")),
     needs(["friction_fast", "friction_speed"], _AT_SPEED),
     needs(_AT_SPEED, ["friction_fast"], ADD),
     needs(_AT_SPEED, ["friction_speed"], ADD),
@@ -189,7 +178,7 @@ RULES: tuple[Rule, ...] = (
     ),
     needs(_AT_SPEED, ["friction_value"], ADD),
     needs(["friction = constant"], ["friction_value", *AT_RIMS], "{name} must come with friction_value. Add it."),
-    excludes(["weighing"], ["empty_load"], f"{WITHOUT}, which is in its place. Leave one of them out."),
+    excludes(["weighing"], ["empty_load"], f"{WITHOUT}, which is in its place. {LEAVE_ONE}"),
     excludes(
         ["empty_load"],
         [*AT_RIMS[:3], "shoe_force", *AT_RIMS[3:]],
@@ -205,16 +194,12 @@ RULES: tuple[Rule, ...] = (
     needs(["blending"], _DYNAMIC, f"{ONE_OF} it out."),
     needs(
         ["blending"],
-        _WIRED,
+        ["brake = ep-direct", "by wire"],
         "{name} must be of brake = ep-direct, or of a distributor by wire; other brakes add. Leave it out.",
     ),
     needs(["blending_speed"], ["blending = closes"], _CLOSES),
     needs(["blending = closes"], ["blending_speed"], _CLOSES),
-    needs(
-        ["traction_force"],
-        ["traction_power"],
-        f"{WITH}, or slipping wheels would spin up without a limit. Add it.",
-    ),
+    needs(["traction_force"], ["traction_power"], f"{WITH}, or slipping wheels would spin up without a limit. Add it."),
     excludes(
         ["no rotating mass"],
         [*TRACTION, "traction_table"],
@@ -230,12 +215,8 @@ RULES: tuple[Rule, ...] = (
     needs([name for name in TRACK if name.startswith("eddy")], ["eddy_force"]),
     needs(["track_brake_pressure"], ["magnetic_attraction", "eddy_force"]),
     needs(["parking_time", "parking_compounding"], _PARKING),
-    excludes(
-        ["parking_force"],
-        ["parking_gradient"],
-        "a parking brake must be stated once; got {name} and {other}. Leave one out.",
-    ),
-    excludes(["release_time"], ["retainer = slow-direct"], "{name} has no effect with {other}. Leave one of them out."),
+    excludes(_PARKING[:1], _PARKING[1:], "a parking brake must be stated once; got {name} and {other}. Leave one out."),
+    excludes(["release_time"], ["retainer = slow-direct"], f"{{name}} has no effect with {{other}}. {LEAVE_ONE}"),
     needs(
         ["delay"],
         ["valve = second"],
