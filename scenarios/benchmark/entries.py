@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from fmu_src.suggestion import suggestion
-from readers.quantity import NUMBER
 from readers.documents import is_number
+from readers.quantity import NUMBER
 from readers.text import FileError, shown
 from readers.units import SPELLINGS, factor, quantity_of
 
