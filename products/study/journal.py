@@ -47,12 +47,15 @@ class Journal:
         """Read the file up to the last complete line."""
         with self._path.open("rb") as file:
             for number, text in enumerate(file, 1):
-                if not text.endswith(b"\n"):
+                whole = text.endswith(b"\n")
+                if not whole and (number > 1 or json.dumps(self._head).encode().startswith(text)):
                     self.cut = True
                     return
                 self._length += len(text)
                 differences: list[str] = []
                 try:
+                    if not whole:
+                        raise ValueError  # the line of another program
                     if number == 1:
                         differences = list(_differences(json.loads(text), self._head))
                     else:

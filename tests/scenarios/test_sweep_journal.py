@@ -211,6 +211,16 @@ def edited(line: bytes, **values: object) -> bytes:
     return json.dumps(json.loads(line) | values).encode()
 
 
+def test_a_file_that_is_no_journal_is_refused_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "sweep-cheap" / JOURNAL
+    path.parent.mkdir()
+    for text in ("notes of mine", "notes of mine\n"):
+        path.write_text(text)
+        assert small(tmp_path) == 2
+        assert f"{path}, line 1 must be as it was written; got a damaged one." in capsys.readouterr().err
+        assert path.read_text() == text
+
+
 @pytest.mark.parametrize(
     "edit",
     [
