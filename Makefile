@@ -12,7 +12,7 @@ COMPILER := $(shell for name in $$CC cc gcc clang; do command -v $$name > /dev/n
 # pip shows bars on a terminal; it writes none into a file.
 PIP = [ -t 1 ] && quiet= || quiet="--quiet --progress-bar off"; $(RUN) -m pip install --disable-pip-version-check $$quiet
 
-.PHONY: demo foretold live test test-fast test-long check charts screenshots pages docs release clean
+.PHONY: demo foretold live test test-all test-long check charts screenshots pages docs release clean
 
 demo: foretold $(VENV)/demo-installed
 	$(RUN) build_fmu.py ssp
@@ -27,16 +27,15 @@ foretold:
 live: $(VENV)/compiler-installed
 	$(RUN) -m bogie_braking live
 
+# Every module's contract, every FMU built once and stepped, the examples of the pages.
 test: $(VENV)/test-installed check
 	$(RUN) -m pytest -n 2 --dist worksteal
 
-# Physics and numerics without the FMUs, and without the files that take longest: a minute once the kernels are compiled.
-LONGEST := four_axles line maximal_coordinates moments_about_rails patches rail_slopes standing steady
-test-fast: $(VENV)/test-installed
-	$(RUN) -m pytest -n 2 --dist worksteal tests/rbd_model tests/brake_controller tests/numerics tests/test_architecture.py \
-		$(LONGEST:%=--ignore=tests/rbd_model/test_%.py)
+# The rest: evidence, long studies, second contact models, random inputs.
+test-all: $(VENV)/test-installed
+	$(RUN) -m pytest -n 2 --dist worksteal -m "study and not long"
 
-# What the other tests show in part: binaries for all platforms, the coal wagon's, chapter 3 at two steps.
+# Before a release, what the other tests show in part: binaries for all platforms, the site, chapter 3 at two steps.
 test-long: $(VENV)/test-installed
 	$(RUN) -m pytest -n 2 -m long
 
