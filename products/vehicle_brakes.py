@@ -20,6 +20,7 @@ from products.train.brake_columns import CYLINDER
 from products.train.consist_columns import NUMBERS
 from products.vehicle_entries import choice_of, number_of
 from readers.quantity import Quantity, by_name
+from readers.usual import SI
 
 #: Friction laws of shoes by their names in a file, which are those of consists; and by their older names.
 FRICTION_LAWS = {
@@ -40,31 +41,29 @@ ASSESSED = 120.0 / 3.6
 STATEMENTS = (("deceleration",), ("percentage",), ("force",), ("cylinder_diameter", "cylinders", "rigging_ratio"))
 
 
-def _as_in_consists(name: str, column: str, unit: str, text: str, whole: bool = False) -> Quantity:
-    """Return an entry with the limits of a column of consists, which states the same in its own unit."""
-    of_consist = NUMBERS[column]
-    scale = 1.0 if unit == of_consist.unit else of_consist.scale
-    return Quantity(name, unit, scale * of_consist.least, scale * of_consist.most, text, whole=whole)
+def _as_in_consists(name: str, column: str, text: str) -> Quantity:
+    """Return an entry in SI units with the limits of a column of consists, which states the same in its own unit."""
+    of_row = NUMBERS[column]
+    unit, scale = ("%", 1.0) if of_row.unit == "%" else (SI.get(of_row.unit, of_row.unit), of_row.scale)
+    return Quantity(name, unit, scale * of_row.least, scale * of_row.most, text, of_row.whole)
 
 
 BRAKE_ENTRIES = by_name(
-    _as_in_consists("deceleration", "deceleration", "m/s2", "of the full brake on a dry rail, after build-up"),
-    _as_in_consists("percentage", "lambda", "%", "or lambda: brake weight percentage (UIC 544-1, from 100 km/h)"),
-    _as_in_consists("force", "brake_force", "N", "of the full brake at the rims of all wheelsets"),
-    _as_in_consists("cylinder_diameter", "cylinder_diameter", "m", "of each cylinder"),
-    _as_in_consists("cylinders", "cylinders", "1", "cylinders of the vehicle", whole=True),
-    _as_in_consists(
-        "rigging_ratio", "rigging_ratio", "1", "force of all shoes or pads over the force of their cylinder"
-    ),
-    _as_in_consists("rigging_efficiency", "rigging_efficiency", "1", "effective over calculated force"),
-    _as_in_consists("return_force", "return_force", "N", "of the return spring at each piston"),
-    _as_in_consists("friction", "friction_value", "1", "mean friction of shoes or pads"),
+    _as_in_consists("deceleration", "deceleration", "of the full brake on a dry rail, after build-up"),
+    _as_in_consists("percentage", "lambda", "or lambda: brake weight percentage (UIC 544-1, from 100 km/h)"),
+    _as_in_consists("force", "brake_force", "of the full brake at the rims of all wheelsets"),
+    _as_in_consists("cylinder_diameter", "cylinder_diameter", "of each cylinder"),
+    _as_in_consists("cylinders", "cylinders", "cylinders of the vehicle"),
+    _as_in_consists("rigging_ratio", "rigging_ratio", "force of all shoes or pads over the force of their cylinder"),
+    _as_in_consists("rigging_efficiency", "rigging_efficiency", "effective over calculated force"),
+    _as_in_consists("return_force", "return_force", "of the return spring at each piston"),
+    _as_in_consists("friction", "friction_value", "mean friction of shoes or pads"),
     Quantity("friction_law", "1", 0, 0, f"of shoes: {', '.join(FRICTION_LAWS)}"),
     Quantity("shoes", "1", 1, 16, "shoes on each wheelset; consists count those of the vehicle", whole=True),
     Quantity("friction_radius", "m", 0.01, 1.0, "radius at which pads rub"),
-    _as_in_consists("full_pressure", "full_pressure", "Pa", "of the cylinders at full brake"),
-    _as_in_consists("application_time", "fill_time", "s", "from 0 to 95 % of the full pressure"),
-    _as_in_consists("release_time", "release_time", "s", "from the full pressure to 0.4 bar (UIC 540)"),
+    _as_in_consists("full_pressure", "full_pressure", "of the cylinders at full brake"),
+    _as_in_consists("application_time", "fill_time", "from 0 to 95 % of the full pressure"),
+    _as_in_consists("release_time", "release_time", "from the full pressure to 0.4 bar (UIC 540)"),
 )
 #: Entries of the rigging, which only cylinder data use, and those of one kind of brake alone.
 OF_RIGGING = ("rigging_efficiency", "return_force")

@@ -10,7 +10,7 @@ from typing import Any
 
 from brake_controller.distributors.uic import UicDistributor, freight, reached_pressure
 from products.train.consist import Consist, TrainVehicle
-from products.train.consist_columns import COUPLING, NUMBERS
+from products.train.consist_columns import COUPLING, NUMBERS, si
 from products.train.consist_file import consist_of, read_consist
 from readers.formats.trains import is_foreign, read_foreign
 from readers.import_account import Imported, Row
@@ -107,7 +107,5 @@ def _is_reached(row: Mapping[str, Any]) -> bool:
     one = freight(str(row.get("position", "P")))
     if not isinstance(one, UicDistributor):
         return True
-    volumes = {"auxiliary": "auxiliary_volume", "cylinder": "cylinder_volume"}
-    one = replace(one, **{of: 1e-3 * row[name] for name, of in volumes.items() if name in row})
-    pressure = 1e5 * float(row["full_pressure"]) if "full_pressure" in row else one.full_pressure
-    return reached_pressure(one) > pressure
+    volumes = {f"{name}_volume": si(row, name) for name in ("auxiliary", "cylinder") if name in row}
+    return reached_pressure(replace(one, **volumes)) > si(row, "full_pressure", one.full_pressure)

@@ -20,8 +20,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from readers.formats.open_rails_fields import Fields
-from readers.formats.open_rails_units import PSI
+from readers.formats.open_rails_fields import PSI, Fields
 from readers.formats.vehicle_rows import rounded
 from readers.import_account import Notes, Row
 from readers.text import FileError, quoted

@@ -14,9 +14,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from readers.formats.open_rails_brake import brake_of, branch_of, hand_brake_of
-from readers.formats.open_rails_fields import Fields
+from readers.formats.open_rails_fields import Fields, measured, units_of
 from readers.formats.open_rails_text import Block, Reader
-from readers.formats.open_rails_units import measured, units_of
 from readers.formats.vehicle_rows import STRONGEST, drive_table, printable, rounded
 from readers.import_account import Notes, Row
 from readers.text import FileError, quoted, shown
