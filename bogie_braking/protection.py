@@ -102,7 +102,8 @@ def protected_stop(
     rail : str
         Name of the rail.
     vehicle : str or DataSheet
-        "bogie" or "coach" (also "vehicle"), or a vehicle from a file with a brake (`read_vehicle`).
+        "bogie" or "coach" (also "vehicle"), or a vehicle from a file with a brake (`read_vehicle`), which also states
+        the application time unless `settings` do.
     line : Line, optional
         Line of the stop; its map of friction multiplies the friction of the rail.
     **settings : float
@@ -125,7 +126,7 @@ def protected_stop(
         If a setting is out of its limits.
     """
     [(case, stop)] = _stops_of(controller, vehicle, [rail], settings, line_or_none(line), recorded=True)
-    radius = _machine(vehicle).parameters.wheel_radius
+    radius = _machine(vehicle)[0].parameters.wheel_radius
     return stop.course.recording(radius, _sentence(case, stop), stop.commands)
 
 
@@ -140,20 +141,23 @@ def _stops_of(
     """Return the rails with the stop on each, run on the test rig. Raises the errors of `protected_stops`."""
     if isinstance(rails, str):
         raise TypeError(f'rails must be a list of names, such as ["{rails}"]; got the text {rails!r}.')
-    make, cases, chosen = maker_of(controller), {rail.name: rail for rail in RAILS}, settings_from(settings)
+    make, cases = maker_of(controller), {rail.name: rail for rail in RAILS}
     on = [cases[known(name, cases, "rail")] for name in rails]
-    machine = _machine(vehicle)
+    machine, of_vehicle = _machine(vehicle)
+    chosen = settings_from({**of_vehicle, **settings})
     runs = [Run(case.values(len(machine.numbers)), line=line) for case in on]
-    rig = Rig(machine, make, chosen, by_flow=True)
+    rig = Rig(machine, make, chosen, by_flow=True, equipment=machine.equipment)
     return list(zip(on, rig.runs(runs, every=chosen.period if recorded else 0.0), strict=True))
 
 
-def _machine(vehicle: str | DataSheet) -> Machine:
-    """Return the braked vehicle of a name or of a file. Raises KeyError, ValueError."""
+def _machine(vehicle: str | DataSheet) -> tuple[Machine, dict[str, float]]:
+    """Return the braked vehicle of a name or of a file, and settings that a file states. Raises KeyError, ValueError."""
     if isinstance(vehicle, DataSheet):
         machine, brake = machine_of_sheet(vehicle)
-        return replace(machine, by_flow=True, equipment=(DISCS,)) if brake.acts_on == "discs" else machine
-    return MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]()
+        if brake.acts_on == "discs":
+            machine = replace(machine, by_flow=True, equipment=(DISCS,))
+        return machine, {"application_time": brake.application_time}
+    return MACHINES[known(vehicle, MACHINES, "vehicle with brakes")](), {}
 
 
 def settings_from(given: Mapping[str, float]) -> Settings:

@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import bogie_braking as bb
 from products.machine import bogie, coach
 from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.programme import Case
 from products.protection.rig import Rig
 from products.protection.settings import Settings
+from products.protection.slide_protection import SlideProtection
 from products.protection.vehicle_of_file import vehicle_of_file, with_own_brake
 
 #: Tolerance of a deceleration: creep adds to the rotation of the wheels, and the axle boxes' friction of the coach.
@@ -80,6 +82,16 @@ def test_a_vehicle_with_discs_has_them_in_every_stop(tmp_path: Path) -> None:
     _, brake = vehicle_of_file(file(tmp_path, FILE.replace("[brake]", "[brake]\nacts_on = 'discs'")))
     cases = [Case("a", "dry"), Case("b", "dry", equipment=("discs",)), Case("c", "dry", equipment=("traction",))]
     assert [case.equipment for case in with_own_brake(cases, brake)] == [("discs",), ("discs",), ("traction",)]
+
+
+@pytest.mark.parametrize("acts_on", ["treads", "discs"])
+def test_python_and_command_brake_a_vehicle_alike(tmp_path: Path, acts_on: str) -> None:
+    path = file(tmp_path, FILE.replace("[brake]", f"[brake]\nacts_on = '{acts_on}'"))
+    machine, brake = vehicle_of_file(path)
+    [case] = with_own_brake([Case("low", "low")], brake)
+    settings = Settings(application_time=brake.application_time)
+    [stop] = Rig(machine, SlideProtection, settings, by_flow=True).runs([case.run(machine)])
+    assert bb.protected_stops("protection", bb.read_vehicle(path), ["low"])["distance"] == [stop.distance]
 
 
 @pytest.mark.parametrize(
