@@ -151,7 +151,7 @@ def _stops_of(
 
 
 def _machine(vehicle: str | DataSheet) -> tuple[Machine, dict[str, float]]:
-    """Return the braked vehicle of a name or of a file, and settings that a file states. Raises KeyError, ValueError."""
+    """Return the braked vehicle of a name or of a file, and the settings in the file. Raises KeyError, ValueError."""
     if isinstance(vehicle, DataSheet):
         machine, brake = machine_of_sheet(vehicle)
         if brake.acts_on == "discs":
