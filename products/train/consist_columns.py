@@ -123,7 +123,7 @@ PARKING = by_name(
     Quantity("parking_gradient", "permille", 0.1, 300.0),
     Quantity("parking_time", "s", 0.0, 300.0),
 )
-#: Columns of the coupler behind a vehicle, in place of numbers of the built-in one.
+#: Columns of the coupler behind a vehicle, instead of numbers of the built-in one.
 COUPLING = by_name(
     Quantity("coupler_stiffness", "MN/m", 0.1, 1000.0),
     Quantity("coupler_preload", "kN", 0.0, 500.0),
