@@ -160,7 +160,7 @@ def instances(
     count = at_most("instances", whole("the number of instances", count, 1), MOST_INSTANCES)
     library, given = prepared(what, line, values)
     variables = variables_of_batch(library)
-    takes = [one.name for one in variables.values() if one.causality == "input"]
+    takes = [variable.name for variable in variables.values() if variable.causality == "input"]
     if isinstance(inputs, str):
         raise TypeError(f'inputs must be a list of names, such as ["{inputs}"]; got the text {inputs!r}.')
     names = once([known(name, takes, "input") for name in inputs], "input"), names_of(outputs, variables)
@@ -212,7 +212,7 @@ def _numbers(name: str, value: ArrayLike) -> np.ndarray:
 
 def variables_of_batch(library: BatchLibrary) -> dict[str, Variable]:
     """Return the variables of a batch by name."""
-    return {one.name: one for one in library.model.variables}
+    return {variable.name: variable for variable in library.model.variables}
 
 
 def threads_or_none(count: int | None) -> int | None:

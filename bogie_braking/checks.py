@@ -101,7 +101,7 @@ def names_of(names: Sequence[str] | None, variables: Mapping[str, Variable]) -> 
     """
     if isinstance(names, str):
         raise TypeError(f'names must be a list of variables, such as ["{names}"]; got the text {names!r}.')
-    outputs = [one.name for one in variables.values() if one.causality == "output"]
+    outputs = [variable.name for variable in variables.values() if variable.causality == "output"]
     found = outputs if names is None else [known(name, variables, "variable") for name in names]
     if not found:
         raise ValueError(f"Name at least one variable to record; there are {', '.join(outputs) or 'no outputs'}.")

@@ -161,9 +161,9 @@ class Problem:
         """Return columns, shape (values, n), multiplied by the covariance of the errors."""
         there, found = np.isfinite(self.data.wanted[: self.last]), np.empty_like(columns)
         of = np.nonzero(there)[1]
-        for place, one in enumerate(errors):
+        for place, error in enumerate(errors):
             times = self.data.times[: self.last][there[:, place]]
-            found[of == place] = one.times(times, columns[of == place])
+            found[of == place] = error.times(times, columns[of == place])
         return found
 
 
@@ -185,7 +185,7 @@ def fit_of(problem: Problem, warnings: Sequence[str] = (), over_time: bool = Tru
         spread(names, off[last:]) if last < data.times.size else {},
         problem.table,
         Recording({one: units[one] for one in (clock, *names)}, np.c_[data.clock, off + data.wanted]),
-        {name: one.time for name, one in zip(names, errors, strict=True)},
+        {name: error.time for name, error in zip(names, errors, strict=True)},
         [
             *at_limits(problem.parameters, share * first, problem.limits, first),
             *warnings,

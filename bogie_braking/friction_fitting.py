@@ -108,7 +108,7 @@ def fit_friction(
     axles, line = Axles.of(vehicle, given, runs), line_or_none(line)
     logs = friction_logs(measured, axles.radii.tolist(), per_pressure, columns)
     at = _places_of(places, logs, axles)
-    stretches = [one for n, log in enumerate(logs) for one in stretches_of(log, n, axles, at, line)]
+    stretches = [stretch for n, log in enumerate(logs) for stretch in stretches_of(log, n, axles, at, line)]
     stretches = [one for one in stretches if np.unique(block_of(one)).size >= FEWEST]
     if not stretches:
         raise ValueError(
@@ -169,7 +169,7 @@ def _places_of(places: ArrayLike, logs: Sequence[FrictionLog], axles: Axles) -> 
     """Return the knots; a number is their spacing over the range of the logs. Raises ValueError."""
     at = np.asarray(places, float)
     if at.ndim == 0 and np.isfinite(at) and at > 0.0:
-        ends = [np.min([one.distance.min() for one in logs]), np.max([one.distance.max() for one in logs])]
+        ends = [np.min([log.distance.min() for log in logs]), np.max([one.distance.max() for one in logs])]
         first, last = np.floor((ends[0] + axles.along.min()) / at), np.ceil((ends[1] + axles.along.max()) / at)
         if last - first < MOST_PLACES:
             at = at * np.arange(first, last + 1)
@@ -202,7 +202,9 @@ def _field_of(
     others = dict(zip(names, found.x[count : problem.shared].tolist(), strict=True))
     standard = dict(zip(names, found.standard[count : problem.shared].tolist(), strict=True))
     near_it = [weight[problem.of_log == place].sum(axis=0) > 0.0 for place in range(problem.logs.size)]
-    deviations = {logs[log].name: float(one) for log, one in zip(problem.logs, found.deviations, strict=True)}
+    deviations = {
+        logs[log].name: float(deviation) for log, deviation in zip(problem.logs, found.deviations, strict=True)
+    }
     fields = at, values, lower, upper, np.sum(near_it, axis=0)
     unused = [log.name for log in logs if log.name not in deviations]
     messages = [*_of_places(*fields[:4]), *_of_logs(found.scatter, deviations, unused)]

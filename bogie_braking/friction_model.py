@@ -66,11 +66,11 @@ class Axles:
         p = {**vehicle.parameters.values(), **values}
         symbols = {name: ca.SX(value) for name, value in p.items()}
         resting = statics(vehicle, lambda size: ca.SX(size_of(size, symbols)), symbols["gravity"]).on_wheelset
-        own = [float(size_of(one.mass, p)) for one in vehicle.wheelsets]
+        own = [float(size_of(wheelset.mass, p)) for wheelset in vehicle.wheelsets]
         above = [float(ca.evalf(ca.SX(force))) for force in resting.values()]
         return cls(
             p,
-            sum(own) + sum(float(size_of(one.mass, p)) for one in vehicle.bodies),
+            sum(own) + sum(float(size_of(body.mass, p)) for body in vehicle.bodies),
             np.array(above) + p["gravity"] * np.array(own),
             np.array([float(size_of(one.along, p)) for one in vehicle.wheelsets]),
             np.array([float(size_of(one.mean_radius, p)) for one in vehicle.wheelsets]),
@@ -126,8 +126,8 @@ class Axles:
             self.of_size[row.size] = self.force.map(row.size)
         fixed = [np.full((1, row.size), value) for value in law]
         answers = self.of_size[row.size](*(values[None, :] for values in given), *fixed)
-        for whole, one in zip(found, answers, strict=True):
-            whole[there] = np.asarray(one)[0]
+        for whole, answer in zip(found, answers, strict=True):
+            whole[there] = np.asarray(answer)[0]
         return found
 
 

@@ -55,12 +55,12 @@ class Search:
     @cached_property
     def logs(self) -> np.ndarray:
         """Numbers of the logs, one for each d_j."""
-        return np.unique([one.log for one in self.stretches])
+        return np.unique([stretch.log for stretch in self.stretches])
 
     @cached_property
     def of_log(self) -> np.ndarray:
         """Place of the log of each stretch among `logs`."""
-        return np.searchsorted(self.logs, [one.log for one in self.stretches])
+        return np.searchsorted(self.logs, [stretch.log for stretch in self.stretches])
 
     @property
     def count(self) -> int:
@@ -74,7 +74,7 @@ class Search:
 
     def moments(self) -> Numbers:
         """Return the time of each block [s], increasing; logs are so far apart that their errors are independent."""
-        times = [one.time[0] + np.unique(block_of(one)) * BLOCK for one in self.stretches]
+        times = [stretch.time[0] + np.unique(block_of(stretch)) * BLOCK for stretch in self.stretches]
         first = [times[int(np.argmax(self.of_log == log))][0] for log in range(self.logs.size)]
         own = [each - first[log] for each, log in zip(times, self.of_log, strict=True)]
         longest = max(each[-1] for each in own)
@@ -89,23 +89,23 @@ class Search:
         field[self.determined] = x[: self.count]
         rail = self.rail | dict(zip(self.beside, x[self.count :].tolist(), strict=False))
         torque = float(x[self.shared - 1]) if self.by_torque else 1.0
-        for one, log in zip(self.stretches, self.of_log, strict=True):
+        for stretch, log in zip(self.stretches, self.of_log, strict=True):
             factor = 1.0 + float(x[self.shared + log])
-            gain, own = one.model(self.axles, factor * field, rail, torque)
+            gain, own = stretch.model(self.axles, factor * field, rail, torque)
             found = np.zeros((gain.size, x.size))
             found[:, : self.count] = factor * own[:, :-1][:, self.determined]
             for place, name in enumerate(self.beside, self.count):
                 size = STEP * max(abs(x[place]), STEP)
                 up, down = (
-                    one.model(self.axles, factor * field, rail | {name: x[place] + end}, torque)[0]
+                    stretch.model(self.axles, factor * field, rail | {name: x[place] + end}, torque)[0]
                     for end in (size, -size)
                 )
                 found[:, place] = (up - down) / (2 * size)
             if self.by_torque:
                 found[:, self.shared - 1] = own[:, -1]
             found[:, self.shared + log] = own[:, :-1] @ field
-            off.append(blocks(one, gain - one.speed))
-            slopes.append(blocks(one, found))
+            off.append(blocks(stretch, gain - stretch.speed))
+            slopes.append(blocks(stretch, found))
         return off, slopes
 
     def weighted(self, x: Numbers, errors: Numbers) -> tuple[Numbers, Numbers]:
@@ -199,7 +199,7 @@ def _errors(problem: Search, x: Numbers) -> Numbers:
 
 def _errors_in_time(problem: Search, off: Numbers, slopes: Numbers) -> tuple[Numbers, Errors]:
     """Return the times of weighted speeds [s], and the correlation of their errors."""
-    sizes = [np.unique(block_of(one)).size for one in problem.stretches]
+    sizes = [np.unique(block_of(stretch)).size for stretch in problem.stretches]
     begins = np.eye(len(sizes))[np.repeat(np.arange(len(sizes)), sizes)]
     moments = problem.moments()
     return moments, errors_of(moments, off, np.c_[slopes / np.maximum(np.linalg.norm(slopes, axis=0), 1e-300), begins])

@@ -157,7 +157,7 @@ def _columns_of_array(name: str, given: np.ndarray) -> Sequence[Any] | None:
     """Return times and values of an array: with a field `time`, of shape (rows, 2) or (2, rows)."""
     fields = given.dtype.names
     if fields:
-        others = [one for one in fields if one != "time"]
+        others = [field for field in fields if field != "time"]
         value = name if name in others else others[0] if len(others) == 1 else None
         if "time" not in fields or value is None:
             there = ", ".join(fields)

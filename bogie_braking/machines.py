@@ -202,7 +202,7 @@ def _places(what: Vehicle, values: Mapping[str, Any], on_line: bool) -> tuple[in
     places = places_of(level, depth, on_line)
     if not places:
         raise ValueError(f"contact_model must be {DEPTH_ON_LINE} on a line; got {depth}.")
-    for pair in {one.equal_sides for one in what.wheelsets} if (level, depth) == (3, 1) else ():
+    for pair in {wheelset.equal_sides for wheelset in what.wheelsets} if (level, depth) == (3, 1) else ():
         check_one_contact(pair)
     return places
 
@@ -276,5 +276,5 @@ def _of_a_model(model: Model) -> Machine:
 
 
 def _compiled(model: Model, fixed: frozenset[str] = frozenset()) -> Machine:
-    variables = {one.name: one for one in model.variables}
+    variables = {variable.name: variable for variable in model.variables}
     return Machine(model.name, variables, Library(build_library(model)), fixed)

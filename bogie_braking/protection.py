@@ -162,7 +162,7 @@ def _machine(vehicle: str | DataSheet) -> tuple[Machine, dict[str, float]]:
 
 def settings_from(given: Mapping[str, float]) -> Settings:
     """Return settings by name. Raises KeyError."""
-    names = [one.name for one in fields(Settings)]
+    names = [field.name for field in fields(Settings)]
     return Settings(**{known(name, names, "setting"): value for name, value in given.items()})  # type: ignore[arg-type]
 
 

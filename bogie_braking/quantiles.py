@@ -31,7 +31,7 @@ def split_quantile(populations: Sequence[Population], share: float) -> tuple[flo
 
     The interval has the limits whose probability is not excluded by `interval_of_skewed`.
     """
-    every = [one.outputs for population in populations for one in population.generations]
+    every = [generation.outputs for population in populations for generation in population.generations]
     limits = np.unique(np.concatenate([*every, *(one.outputs for one in populations)]))
     limits = limits[np.isfinite(limits)]
 

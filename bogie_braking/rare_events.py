@@ -130,7 +130,7 @@ class Runs:
         """Return the output of each point, shape (points,); -inf if the run could not be made."""
         ends = self.make(values_of(self.distributions, points))
         found = np.concatenate([one[self.output] for one in ends])
-        failures = [text for one in ends for text in one.failures.values()]
+        failures = [text for end in ends for text in end.failures.values()]
         self.failed += len(failures)
         self.first_failure = self.first_failure or next(iter(failures), "")
         if (still := STILL.get(self.output)) in ends[0].outputs:
@@ -276,7 +276,7 @@ def result_of(
         *runs.doubts,
         *doubts_about(populations, runs.limit, moves, interval, runs.labels),
     ]
-    estimates = np.array([one.probability for one in populations])
+    estimates = np.array([population.probability for population in populations])
     tail, worst = tail_of(populations, runs, units), worst_of(populations, runs, units)
     shifts = shifts_of(populations, runs)
     return Rare(probability, (interval[0], interval[1]), count, messages, estimates, tail, worst, shifts)
@@ -316,28 +316,32 @@ def values_of(distributions: Mapping[tuple[str, ...], Distribution], points: Num
 
 def shifts_of(populations: Sequence[Population], runs: Runs) -> dict[str, float]:
     """Return the mean standard normal number of each input above the limit, the largest first."""
-    found = [(one.probability, one.points[one.outputs > runs.limit]) for one in populations if one.probability > 0.0]
+    found = [
+        (population.probability, population.points[population.outputs > runs.limit])
+        for population in populations
+        if population.probability > 0.0
+    ]
     if not found:
         return {}
     weights, points = zip(*found, strict=True)
-    means = np.average([np.mean(one, axis=0) for one in points], axis=0, weights=weights)
+    means = np.average([np.mean(point, axis=0) for point in points], axis=0, weights=weights)
     order = np.argsort(-np.abs(means), kind="stable")
     return {runs.labels[place]: float(means[place]) for place in order}
 
 
 def tail_of(populations: Sequence[Population], runs: Runs, units: Mapping[str, str]) -> Recording:
     """Return probabilities above limits up to the given one, or to the highest output, with their intervals."""
-    first = np.concatenate([one.generations[0].outputs for one in populations])
+    first = np.concatenate([population.generations[0].outputs for population in populations])
     highest = max(float(np.max(one.outputs)) for one in populations)
     end = min(runs.limit, highest)
     limits = np.linspace(min(end, float(np.min(first[np.isfinite(first)]))), end, ROWS).tolist()
-    rows = [[one, *interval_of(np.array([each.above(one) for each in populations]))] for one in limits]
+    rows = [[limit, *interval_of(np.array([each.above(limit) for each in populations]))] for limit in limits]
     return Recording({runs.output: units[runs.output], "probability": "1", "lower": "1", "upper": "1"}, rows)
 
 
 def worst_of(populations: Sequence[Population], runs: Runs, units: Mapping[str, str]) -> Recording:
     """Return values and output of the runs above the limit, each once; the highest run if none is above."""
-    points = np.concatenate([one.points for one in populations])
+    points = np.concatenate([population.points for population in populations])
     outputs = np.concatenate([one.outputs for one in populations])
     kept = (outputs > runs.limit) | (outputs == np.max(outputs))
     table = np.unique(np.column_stack([outputs[kept], points[kept]]), axis=0)[::-1]

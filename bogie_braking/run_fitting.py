@@ -54,7 +54,9 @@ def fit_run(
         fitted = dict(zip(parameters, (share * first).tolist(), strict=True))
         return at_times(Simulation(what, line, **(values | data.inputs | fitted)), names, data.times[:rows])
 
-    limits = np.array([[machine.variables[one].minimum, machine.variables[one].maximum] for one in parameters])
+    limits = np.array(
+        [[machine.variables[parameter].minimum, machine.variables[parameter].maximum] for parameter in parameters]
+    )
     problem = Problem(table, tuple(parameters), first, limits, names, data, last, simulated, FAR)
     if "initial_speed" not in parameters:
         check_units(names, simulated(np.ones_like(first), 2)[0], data, table.units)
@@ -65,8 +67,8 @@ def lacking(driven: Sequence[str], given: Collection[str], machine: Machine) -> 
     """Return a warning for inputs that a log has for some wheelsets only: the others stay at their start values."""
     found = []
     for stem in dict.fromkeys(name.rstrip("0123456789") for name in driven if name[-1].isdigit()):
-        inputs = [one for one in machine.variables.values() if one.causality == "input"]
-        like = [one for one in inputs if one.name.rstrip("0123456789") == stem]
+        inputs = [variable for variable in machine.variables.values() if variable.causality == "input"]
+        like = [input_ for input_ in inputs if input_.name.rstrip("0123456789") == stem]
         left = [one for one in like if one.name not in driven and one.name not in given]
         stays = [f"{one.name} ({one.start:g}{in_unit(one.unit)})" for one in left]
         if stays:
@@ -84,7 +86,7 @@ def begin_of(parameters: Mapping[str, float], machine: Machine, driven: Sequence
     Raises ValueError if a parameter cannot be fitted.
     """
     check_parameters(parameters)
-    constant = [one for one in machine.variables.values() if one.causality in ("parameter", "input")]
+    constant = [variable for variable in machine.variables.values() if variable.causality in ("parameter", "input")]
     able = [one.name for one in constant if one.kind == "real" and one.name not in driven]
     for name, value in parameters.items():
         if name not in able:
@@ -118,4 +120,4 @@ def at_times(simulation: Simulation, names: Sequence[str], times: np.ndarray) ->
     steps = np.diff(times[after_events(times)])
     step = max(float(np.min(steps)), SHORTEST_STEP * float(np.median(steps)), float(times[-1]) / MOST_ROWS)
     series = simulation.advance(float(times[-1]) + step, names, step)
-    return np.column_stack([np.interp(times, series["time"], series[one]) for one in names])
+    return np.column_stack([np.interp(times, series["time"], series[name]) for name in names])

@@ -140,8 +140,10 @@ class Simulation:
         """
         kernel = self._kernel
         if machine.place != self._machine.place:
-            numbers = (one for one in machine.variables.values() if one.causality in ("parameter", "input"))
-            now = {one.name: self._kernel[one.name] for one in numbers if one.kind != "string"}
+            numbers = (
+                variable for variable in machine.variables.values() if variable.causality in ("parameter", "input")
+            )
+            now = {number.name: self._kernel[number.name] for number in numbers if number.kind != "string"}
             changed = {name: value for name, value in now.items() if value != machine.variables[name].start}
             kernel, path = Kernel(machine.library, **changed), self._file_of(LINE_FILE)
             if self._file_of(PROFILE_FILE):
@@ -227,7 +229,9 @@ class Simulation:
         if not self._kernel.initialised:
             self._kernel.initialise()
         begin = self.time
-        corners = {one for history in self._histories.values() for one in history.corners(begin, begin + duration)}
+        corners = {
+            corner for history in self._histories.values() for corner in history.corners(begin, begin + duration)
+        }
         rows: list[list[float]] = []
         if not corners:
             rows = self._go(begin, begin + duration, duration, interval, names)
@@ -295,7 +299,7 @@ class Simulation:
             raise TypeError(f"A saved state must be the bytes that save returned; got {shown(state)}.")
         name, own = self._machine.name, self._machine.place
         places = [own] if own is None else sorted({*FMUS[name].choice, NONE})
-        found = [one for one in places if state.startswith(_mark(name, one))]
+        found = [place for place in places if state.startswith(_mark(name, place))]
         if not found:
             raise refused(f"The state must be one of {name} with the same equations; nothing was restored.")
         machine = self._machine if found[0] == own else machine_at(name, found[0])
@@ -353,7 +357,7 @@ def run(
     SimulationError
         If a value is invalid, a step fails, or the first point of an input over time is after the end of the run.
     """
-    one = Simulation(what, line, **values)
-    for history in one.histories:
+    simulation = Simulation(what, line, **values)
+    for history in simulation.histories:
         history.check_begin(seconds("the duration", duration))
-    return one.advance(duration, names, interval)
+    return simulation.advance(duration, names, interval)

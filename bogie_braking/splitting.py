@@ -109,12 +109,12 @@ class Population:
 
     def above(self, limit: float) -> float:
         """Return the probability of exceeding a limit, estimated from the levels on the way."""
-        last = next(one for one in reversed(self.generations) if one.level <= limit)
+        last = next(generation for generation in reversed(self.generations) if generation.level <= limit)
         return last.probability * float(np.mean(last.outputs > limit))
 
     def variance_if_independent(self) -> float:
         """Return the relative variance of the estimate for independent points (Au and Beck, 2001)."""
-        told = [one.probability for one in self.generations] + [self.probability]
+        told = [generation.probability for generation in self.generations] + [self.probability]
         shares = [after / before for before, after in pairwise(told) if after > 0.0]
         return sum((1.0 - share) / (share * self.outputs.size) for share in shares)
 
@@ -174,7 +174,7 @@ def confidence_of(populations: Sequence[Population], limit: float) -> tuple[floa
     limit, the interval ends at the upper bound for the last levels, as the limit is above these.
     """
     told = interval_of(np.array([one.probability for one in populations]))
-    if all(len(one.generations) == 1 for one in populations):
+    if all(len(population.generations) == 1 for population in populations):
         above = np.concatenate([one.outputs for one in populations]) > limit
         exact = binomtest(int(np.sum(above)), above.size).proportion_ci(CONFIDENCE)
         return told[0], float(exact.low), float(exact.high)

@@ -27,7 +27,7 @@ def doubts_about(
     """
     estimates = np.array([one.probability for one in populations])
     messages = _atom(np.concatenate([one.generations[0].outputs for one in populations]))
-    climbed = [one for one in populations if one.accepted]
+    climbed = [population for population in populations if population.accepted]
     if not np.any(estimates):
         highest = max(float(np.max(one.outputs)) for one in populations)
         messages.append(f"No run came above the limit: the highest came to {highest:g}.")
@@ -58,7 +58,7 @@ def _spread(estimates: Numbers, interval: Sequence[float]) -> list[str]:
 
 def _chains(populations: Sequence[Population], estimates: Numbers, moves: int) -> list[str]:
     """Warn of too few moves: copies are still close to their parents."""
-    alone = np.sqrt(np.mean([one.variance_if_independent() for one in populations]))
+    alone = np.sqrt(np.mean([population.variance_if_independent() for population in populations]))
     times = float(np.std(estimates, ddof=1) / np.mean(estimates) / alone)
     if times <= SCATTERED:
         return []

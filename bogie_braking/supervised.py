@@ -90,7 +90,7 @@ def _run(consist: Consist, command: str, speed: float) -> tuple[np.ndarray, np.n
     """Return time, speed of the mass centre and sum of cylinder pressures of a stop."""
     train = Train(consist, speed=speed, settings=select_brake_model(consist))
     train.drive(*COMMANDS[command])
-    masses = np.array([one.mass for one in consist.vehicles])
+    masses = np.array([vehicle.mass for vehicle in consist.vehicles])
     parts: list[np.ndarray] = []
     count, past = masses.size, 0.0
     while past < LONGEST:
@@ -135,7 +135,7 @@ def brake_units(consist: Consist, speed: float, failure: float, spread: float) -
 
     Takes speed [m/s].
     """
-    forces = [round(brake_force(one, speed), 3) for one in consist.vehicles]
+    forces = [round(brake_force(vehicle, speed), 3) for vehicle in consist.vehicles]
     groups = Counter(force for force in forces if force > 0.0)
     return [BrakeUnits(count, force, failure, spread) for force, count in groups.items()]
 
@@ -145,13 +145,16 @@ def braked_vehicles(consist: Consist, speed: float) -> list[BrakedVehicles]:
 
     Takes speed [m/s]; returns [N].
     """
-    kinds = [(brake_force(one, speed), one.mass, one.brake.friction_law == CONSTANT) for one in consist.vehicles]
+    kinds = [
+        (brake_force(vehicle, speed), vehicle.mass, vehicle.brake.friction_law == CONSTANT)
+        for vehicle in consist.vehicles
+    ]
     if len(set(kinds)) > MOST_KINDS:
         keys: list[Any] = [(round(np.log(force) / 0.02) if force > 0.0 else None, discs) for force, _, discs in kinds]
     else:
         keys = kinds
     groups: dict[Any, list[tuple[float, float, bool]]] = {}
-    for key, one in zip(keys, kinds, strict=True):
-        groups.setdefault(key, []).append(one)
+    for key, kind in zip(keys, kinds, strict=True):
+        groups.setdefault(key, []).append(kind)
     means = [(len(those), *np.mean(those, axis=0)) for those in groups.values()]
     return [BrakedVehicles(count, float(force), float(mass), bool(discs)) for count, force, mass, discs in means]

@@ -192,7 +192,7 @@ def sweep(
 
 def table_of(study: Study, outcomes: Sequence[Outcome]) -> Recording:
     """Return the table of a sweep: number, varied values and results of each row, and the messages."""
-    ends = [[(one.results or {}).get(name) for name in study.results] for one in outcomes]
+    ends = [[(outcome.results or {}).get(name) for name in study.results] for outcome in outcomes]
     rows = [[number, *row.values(), *end] for number, (row, end) in enumerate(zip(study.points, ends, strict=True))]
     messages = [one.message if one.failure is None else f"Row {row}: {one.failure}" for row, one in enumerate(outcomes)]
     return Recording({"number": "1"} | dict(study.units), np.array(rows, float), messages, {"runs": len(rows)})

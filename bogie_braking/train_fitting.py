@@ -95,9 +95,9 @@ def _table(measured: Recording | str | Path) -> Recording:
     rows = np.column_stack([table[name] for name in names])
     if needs[0] == "time":
         rows = rows[after_events(table["time"])]
-    found = Recording({name: units[name] for name in names}, rows)
-    _check(found)
-    return found
+    recording = Recording({name: units[name] for name in names}, rows)
+    _check(recording)
+    return recording
 
 
 def _check(table: Recording) -> None:
@@ -139,7 +139,9 @@ def _read(path: Path) -> Recording:
     if any(name.strip().lower() in ("time", "t") for name in (*head.numbers, *head.words)):
         return table_from(path, RUN)
     table = read_table(path, STOPS)
-    return Recording({one.name: one.unit for one in STOPS}, np.column_stack([table.numbers[one.name] for one in STOPS]))
+    return Recording(
+        {stop.name: stop.unit for stop in STOPS}, np.column_stack([table.numbers[one.name] for one in STOPS])
+    )
 
 
 def _begin_of(parameters: Mapping[str, float]) -> np.ndarray:
@@ -193,7 +195,7 @@ def _run(make: Callable[..., Train], table: Recording, drive: str) -> np.ndarray
 
 def _follow(train: Train, pressure: float) -> None:
     """Set the driver's valve so that the pipe at the head comes to a gauge pressure [Pa]."""
-    valve = next(one.valve for one in train.consist.vehicles if one.valve is not None)
+    valve = next(vehicle.valve for vehicle in train.consist.vehicles if vehicle.valve is not None)
     fallen = valve.running - pressure
     if fallen < valve.first_step / 2:
         train.drive("running")

@@ -97,11 +97,11 @@ def consist_from_any(given: Any) -> tuple[Consist, Imported | None]:
     return consist_of(list(given)), None
 
 
-def _driven(one: Consist) -> Consist:
+def _driven(consist: Consist) -> Consist:
     """Return a consist with a driver's valve. Raises ValueError without one."""
-    if not any(vehicle.valve is not None for vehicle in one.vehicles):
+    if not any(vehicle.valve is not None for vehicle in consist.vehicles):
         raise ValueError(
-            f"A consist must have a vehicle with a driver's valve; got {len(one.vehicles)} vehicles without one. Add a "
-            "locomotive, or give one vehicle a valve."
+            f"A consist must have a vehicle with a driver's valve; got {len(consist.vehicles)} vehicles without one. "
+            "Add a locomotive, or give one vehicle a valve."
         )
-    return one
+    return consist

@@ -161,7 +161,7 @@ def wet_factors(
     else:
         least = WEAKER[level] / BELOW
         populations, _ = climb(stops, len(inputs), np.inf, particles, moves, seed, least)
-        first = np.concatenate([one.generations[0].outputs for one in populations])
+        first = np.concatenate([population.generations[0].outputs for population in populations])
         found = _plain(first, SHALLOW)
         for deep in range(SHALLOW + 1, level + 1):
             found[deep] = split_quantile(populations, WEAKER[deep])

@@ -66,7 +66,7 @@ class VehicleBrake(ParameterSet):
 
 
 #: Numbers of laws 8 and 9 of a brake with another law.
-NO_LAW = {one.name: one.default for one in fields(VehicleBrake) if one.default is not MISSING}
+NO_LAW = {field.name: field.default for field in fields(VehicleBrake) if field.default is not MISSING}
 
 
 def by_fractions(law: Fractions) -> dict[str, float]:
@@ -149,12 +149,12 @@ def fractions(p: Mapping[str, ca.SX], force_of_one_shoe: ca.SX, speed: ca.SX) ->
     return p["friction_scale"] * above / below
 
 
-def law_named(one: VehicleBrake) -> str:
+def law_named(vehicle_brake: VehicleBrake) -> str:
     """Return the name of a brake's law of friction in FRICTIONS or FORCELESS; "speed" if its fractions are its own."""
 
     def is_law(name: str, law: Mapping[str, float]) -> bool:
         own = {key: value for key, value in law.items() if (name, key) != ("pads", "friction_scale")}
-        return replace(one, **own) == one
+        return replace(vehicle_brake, **own) == vehicle_brake
 
     return next(name for name, law in {**FRICTIONS, **FORCELESS}.items() if is_law(name, law))
 

@@ -75,7 +75,7 @@ class Omniscient:
         p, self.machine = machine.parameters, machine
         self.radius, self.inertia = p.wheel_radius, p.wheelset_pitch_inertia
         self.per_torque = machine.full_pressure / machine.full_torque
-        self.gains = {name: np.array([[getattr(one, name)] for one in gains]) for name in Gains.__annotations__}
+        self.gains = {name: np.array([[getattr(gain, name)] for gain in gains]) for name in Gains.__annotations__}
         self.slips, self.patch = np.stack([outside, inside]), patch
         self.before: tuple[Numbers, Numbers] | None = None
 
@@ -125,8 +125,8 @@ def of_all(machine: Machine, runs: Sequence[Run], settings: Settings, by_flow: b
         np.stack([begins, begins + lengths], axis=1),
     )
     values = [rig.values(run) for run, *_ in every]
-    first = {one.name: one.start for one in rig.model.variables}
-    names = sorted({name for one in values for name in one})
+    first = {variable.name: variable.start for variable in rig.model.variables}
+    names = sorted({name for value in values for name in value})
     start = {name: [one.get(name, first[name]) for one in values] for name in names}
     with rig.instances(len(every), start) as instances, Loop(rig, instances) as loop:
         loop.begin({row: rig.beginning(run) for row, (run, *_) in enumerate(every)})

@@ -75,11 +75,11 @@ def all_sources(given: ArraysInC) -> dict[str, str]:
 
 def _about(given: ArraysInC) -> str:
     rows = []
-    for one in given.arrays:
-        lost = 0.0 if one.may_be_lost else math.nan
-        numbers = ", ".join(c_number(number) for number in (0.0, one.minimum, one.maximum, lost))
-        kind, causality = "KIND_INTEGER" if one.whole else "KIND_REAL", f"CAUSALITY_{one.causality.upper()}"
-        rows.append(f"{{{c_text(one.name)}, {c_text(one.unit)}, {kind}, {causality}, {numbers}}}")
+    for array in given.arrays:
+        lost = 0.0 if array.may_be_lost else math.nan
+        numbers = ", ".join(c_number(number) for number in (0.0, array.minimum, array.maximum, lost))
+        kind, causality = "KIND_INTEGER" if array.whole else "KIND_REAL", f"CAUSALITY_{array.causality.upper()}"
+        rows.append(f"{{{c_text(array.name)}, {c_text(array.unit)}, {kind}, {causality}, {numbers}}}")
     table = c_array("variable_description", "ARRAYS_ABOUT", rows).replace("static ", "", 1)
     texts = {"TOKEN": token_of(given), "NAME": given.name}
     return "\n".join(
@@ -175,7 +175,7 @@ def _claims(given: ArraysInC, version: int) -> dict[str, str]:
 
 def _units(root: ET.Element, given: ArraysInC) -> None:
     found = ET.SubElement(root, "UnitDefinitions")
-    for unit in sorted({one.unit for one in given.arrays} | {"s"}):
+    for unit in sorted({array.unit for array in given.arrays} | {"s"}):
         element = ET.SubElement(found, "Unit", name=unit)
         ET.SubElement(element, "BaseUnit", {name: str(power) for name, power in UNITS[unit].items()})
         for shown, (of, factor) in DISPLAY_UNITS.items():
@@ -183,15 +183,17 @@ def _units(root: ET.Element, given: ArraysInC) -> None:
                 ET.SubElement(element, "DisplayUnit", name=shown, factor=repr(factor))
 
 
-def _limits(one: ArrayVariable) -> dict[str, str]:
-    pairs = (("min", one.minimum), ("max", one.maximum))
-    return {name: number_text(limit, not one.whole) for name, limit in pairs if math.isfinite(limit)}
+def _limits(array_variable: ArrayVariable) -> dict[str, str]:
+    pairs = (("min", array_variable.minimum), ("max", array_variable.maximum))
+    return {name: number_text(limit, not array_variable.whole) for name, limit in pairs if math.isfinite(limit)}
 
 
-def _nature(one: ArrayVariable) -> dict[str, str]:
-    found = {"causality": one.causality}
-    found["variability"] = "fixed" if one.causality == "parameter" else "discrete" if one.whole else "continuous"
-    if one.causality == "output":
+def _nature(array_variable: ArrayVariable) -> dict[str, str]:
+    found = {"causality": array_variable.causality}
+    found["variability"] = (
+        "fixed" if array_variable.causality == "parameter" else "discrete" if array_variable.whole else "continuous"
+    )
+    if array_variable.causality == "output":
         found["initial"] = "calculated"
     return found
 
@@ -208,20 +210,20 @@ def description2(fmu: ArraysFmu) -> str:
     _units(root, given)
     add_experiment(root, fmu.stop_time, fmu.step_size)
     variables, outputs = ET.SubElement(root, "ModelVariables"), []
-    for number, one in enumerate(given.arrays):
+    for number, array in enumerate(given.arrays):
         for element in range(fmu.lengths[number]):
-            name = one.name if fmu.lengths[number] == 1 else f"{one.name}[{element + 1}]"
+            name = array.name if fmu.lengths[number] == 1 else f"{array.name}[{element + 1}]"
             attributes = {
                 "name": name,
                 "valueReference": str(number * given.stride + element),
-                "description": one.description,
+                "description": array.description,
             }
-            variable = ET.SubElement(variables, "ScalarVariable", attributes | _nature(one))
-            kind = {} if one.whole else _unit(one)
-            if one.causality != "output":
-                kind["start"] = number_text(fmu.starts[number][element], not one.whole)
-            ET.SubElement(variable, "Integer" if one.whole else "Real", kind | _limits(one))
-            if one.causality == "output":
+            variable = ET.SubElement(variables, "ScalarVariable", attributes | _nature(array))
+            kind = {} if array.whole else _unit(array)
+            if array.causality != "output":
+                kind["start"] = number_text(fmu.starts[number][element], not array.whole)
+            ET.SubElement(variable, "Integer" if array.whole else "Real", kind | _limits(array))
+            if array.causality == "output":
                 outputs.append(str(len(variables)))
     structure = ET.SubElement(root, "ModelStructure")
     for place, known in _dependencies(given, ("Outputs", "InitialUnknowns")):
@@ -231,10 +233,10 @@ def description2(fmu: ArraysFmu) -> str:
     return xml_file(root).decode()
 
 
-def _unit(one: ArrayVariable) -> dict[str, str]:
+def _unit(array_variable: ArrayVariable) -> dict[str, str]:
     """Return the unit, and nominal value if its unit has one."""
-    nominal = {"nominal": repr(NOMINAL[one.unit])} if one.unit in NOMINAL else {}
-    return {"unit": one.unit} | nominal
+    nominal = {"nominal": repr(NOMINAL[array_variable.unit])} if array_variable.unit in NOMINAL else {}
+    return {"unit": array_variable.unit} | nominal
 
 
 def _dependencies(given: ArraysInC, places: tuple[str, str]) -> Iterator[tuple[str, dict[str, str]]]:
@@ -256,19 +258,21 @@ def description3(fmu: ArraysFmu) -> str:
     _units(root, given)
     add_experiment(root, fmu.stop_time, fmu.step_size)
     variables, outputs = ET.SubElement(root, "ModelVariables"), []
-    for number, one in enumerate(given.arrays):
+    for number, array in enumerate(given.arrays):
         length = fmu.lengths[number]
         if length == 0:
             continue
-        attributes = {"name": one.name, "valueReference": str(number), "description": one.description} | _nature(one)
-        if not one.whole:
-            attributes |= _unit(one)
-        if one.causality != "output":
-            attributes["start"] = " ".join(number_text(value, not one.whole) for value in fmu.starts[number])
-        variable = ET.SubElement(variables, "Int32" if one.whole else "Float64", attributes | _limits(one))
+        attributes = {"name": array.name, "valueReference": str(number), "description": array.description} | _nature(
+            array
+        )
+        if not array.whole:
+            attributes |= _unit(array)
+        if array.causality != "output":
+            attributes["start"] = " ".join(number_text(value, not array.whole) for value in fmu.starts[number])
+        variable = ET.SubElement(variables, "Int32" if array.whole else "Float64", attributes | _limits(array))
         if length > 1:
             ET.SubElement(variable, "Dimension", start=str(length))
-        if one.causality == "output":
+        if array.causality == "output":
             outputs.append(str(number))
     time = {"name": "time", "valueReference": str(len(given.arrays)), "causality": "independent"}
     ET.SubElement(variables, "Float64", time | {"variability": "continuous", "unit": "s"})

@@ -148,7 +148,9 @@ def batch_source(model: Model, system: System) -> dict[str, str]:
     made = {one: every[one] for one in (*FUNCTIONS, *ranks) if one in every}
     given, texts = functions_in_lanes(name, made)
     texts += elimination_in_lanes(name, elimination(system))
-    in_lanes = [f"LANES_NAME({name}_{every[one].function.name()})" if one in every else "0" for one in FUNCTIONS]
+    in_lanes = [
+        f"LANES_NAME({name}_{every[function].function.name()})" if function in every else "0" for function in FUNCTIONS
+    ]
     arguments = [f"LANES_NAME({name}_{every[one].function.name()})" for one in ranks]
     tables = f"static const lanes_function ARGUMENT[] = {{{', '.join(arguments)}}};" if ranks else ""
     solving = [f"LANES_NAME({name}_factorise)", f"LANES_NAME({name}_substitute)"]
@@ -503,7 +505,7 @@ class Instances:
     def _in_shares(self, work: Callable[[int, int], None]) -> None:
         """Do the work for all instances, shared among the threads by whole groups."""
         shares = self._shares()
-        done = [self._pool.submit(work, *one) for one in shares[1:]]
+        done = [self._pool.submit(work, *share) for share in shares[1:]]
         work(*shares[0])  # waking a thread takes as long as hundreds of steps
         for one in done:
             one.result()

@@ -73,20 +73,22 @@ class Rooms:
     sizes: dict[str, int] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, one: Generated, side_by_side: bool) -> Rooms:
+    def of(cls, generated: Generated, side_by_side: bool) -> Rooms:
         """Lay out the arrays of a function for its calls.
 
         side_by_side: calls of one rank and part are a group, except for parts in C; otherwise each call is its own
         group.
         """
-        made = cls(sizes={f"given_{rank}": 0 for rank in range(one.ranks)} | ({"left": 0} if one.calls else {}))
+        made = cls(
+            sizes={f"given_{rank}": 0 for rank in range(generated.ranks)} | ({"left": 0} if generated.calls else {})
+        )
         left: dict[int, list[int]] = {}
-        for rank in range(one.ranks):
-            groups = list(_groups(one, rank, side_by_side))
+        for rank in range(generated.ranks):
+            groups = list(_groups(generated, rank, side_by_side))
             given: dict[int, list[list[int]]] = {}
             for place, group in enumerate(groups):
                 group.given, group.left = made.sizes[f"given_{rank}"], made.sizes["left"]
-                same = next((each for each in groups[:place] if _given_the_same(one.calls, each, group)), None)
+                same = next((each for each in groups[:place] if _given_the_same(generated.calls, each, group)), None)
                 if same:
                     group.given = same.given
                 else:
@@ -94,8 +96,10 @@ class Rooms:
                 made.sizes["left"] += group.leaves * group.lanes
                 for lane, number in enumerate(group.calls):
                     twice = [lane, lane + 1] if lane == len(group.calls) - 1 < group.lanes - 1 else [lane]
-                    taken, leaves = one.sizes(number)
-                    given[number] = [[group.given + n * group.lanes + one for one in twice] for n in range(taken)]
+                    taken, leaves = generated.sizes(number)
+                    given[number] = [
+                        [group.given + n * group.lanes + generated for generated in twice] for n in range(taken)
+                    ]
                     left[number] = [group.left + n * group.lanes + lane for n in range(leaves)]
             made.groups.append(groups)
             made.given.append([places for number in sorted(given) for places in given[number]])
@@ -109,16 +113,18 @@ def _given_the_same(calls: Sequence[Call], one: Group, other: Group) -> bool:
     return len(taken) == 2 and len(taken[0]) == len(taken[1]) and all(map(ca.is_equal, *taken))
 
 
-def _groups(one: Generated, rank: int, side_by_side: bool) -> Iterator[Group]:
+def _groups(generated: Generated, rank: int, side_by_side: bool) -> Iterator[Group]:
     found: dict[object, Group] = {}
-    for number, call in enumerate(one.calls):
+    for number, call in enumerate(generated.calls):
         if call.rank != rank:
             continue
         alone, conditional = bool(call.part.source) or not side_by_side, not call.when.is_constant()
-        key = number if alone else (part_name(call.part, one.slopes[number]), conditional)
-        if call.each and (side_by_side or conditional or (call.each.largest and one.slopes[number])):
+        key = number if alone else (part_name(call.part, generated.slopes[number]), conditional)
+        if call.each and (side_by_side or conditional or (call.each.largest and generated.slopes[number])):
             raise ValueError(f"{call.part.name}: calls for each record belong in a part, without conditions.")
-        found.setdefault(key, Group(call.part, one.slopes[number], conditional, alone, call.each)).calls.append(number)
+        found.setdefault(key, Group(call.part, generated.slopes[number], conditional, alone, call.each)).calls.append(
+            number
+        )
     yield from found.values()
 
 

@@ -23,7 +23,7 @@ def alone(model: Model, values: Mapping[str, Any], with_file: bool = False) -> M
         raise ValueError(f"{model.name} has no system for {' and '.join(asked)}; choose another one.")
     system = model.systems[place]
     file = model.table_file.variable if model.table_file and not system.tables else None
-    kept = tuple(one for one in model.variables if one.causality != "local" and one != file)
+    kept = tuple(variable for variable in model.variables if variable.causality != "local" and variable != file)
     choice = tuple(0 if one == place else NONE for one in model.choice)
     if file:
         choice = choice[: len(choice) // 2]
@@ -42,4 +42,4 @@ def place_in(choice: Sequence[int], selectors: Sequence[Variable], values: Mappi
         if value not in range(1, int(one.maximum) + 1):
             return NONE
         combination = combination * int(one.maximum) + int(value) - 1
-    return choice[combination + with_file * math.prod(int(one.maximum) for one in selectors)]
+    return choice[combination + with_file * math.prod(int(selector.maximum) for selector in selectors)]

@@ -231,15 +231,15 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
     yield c_array("char *const", f"{prefix}_sentence", sentences)
 
 
-def _value_of_record(one: OfRecord) -> str:
+def _value_of_record(of_record: OfRecord) -> str:
     """Return a number of a record, its members by position."""
-    kind, steps = one.file.kind, []
-    for place, entry in one.path:
+    kind, steps = of_record.file.kind, []
+    for place, entry in of_record.path:
         steps.append((place, entry, int(kind.lists[place].shared)))
         kind = kind.lists[place].kind
     steps += [(0, 0, 0)] * (LONGEST_PATH - len(steps))
     places = ", ".join(f"{{{place}, {entry}, {shared}}}" for place, entry, shared in steps)
-    return f"{{&{own_name(one.own)}, {one.root}, {len(one.path)}, {{{places}}}, {one.number}}}"
+    return f"{{&{own_name(of_record.own)}, {of_record.root}, {len(of_record.path)}, {{{places}}}, {of_record.number}}}"
 
 
 def _algebraic_nonzeros(system: System, solving: Elimination) -> list[int]:
@@ -326,12 +326,12 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
 def _relations(model: Model) -> list[str]:
     """Return the relations between parameters as arrays."""
     arrays, rows = [], []
-    for number, one in enumerate(model.relations):
-        places, factors = ([pair[side] for pair in one.terms] for side in (0, 1))
+    for number, relation in enumerate(model.relations):
+        places, factors = ([pair[side] for pair in relation.terms] for side in (0, 1))
         arrays.append(c_array("int", f"RELATION_VARIABLE_{number}", [str(model.index(str(name))) for name in places]))
         arrays.append(c_array("double", f"RELATION_FACTOR_{number}", [c_number(float(value)) for value in factors]))
         names = f"RELATION_VARIABLE_{number}, RELATION_FACTOR_{number}"
-        rows.append(f"{{{len(one.terms)}, {names}, {c_number(one.constant)}, {c_text(one.sentence)}}}")
+        rows.append(f"{{{len(relation.terms)}, {names}, {c_number(relation.constant)}, {c_text(relation.sentence)}}}")
     return [*arrays, c_array("relation_description", "RELATION", rows)] if rows else []
 
 
@@ -355,7 +355,7 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
     if model.table_file:
         lines.append(table_file_source(model.table_file, model.index(model.table_file.variable.name)))
     if model.record_file:
-        roots = max((1 + one.root for system in model.systems for one in system.records), default=0)
+        roots = max((1 + record.root for system in model.systems for record in system.records), default=0)
         lines.append(record_file_source(model.record_file, model.index(model.record_file.variable.name), roots))
     lines.append("static const variable_description VARIABLE[] = {")
     for v in model.variables:

@@ -179,7 +179,7 @@ def headers_of(name: str, sources: Mapping[str, str]) -> dict[str, str]:
     waiting = [name]
     while waiting:
         text = sources[waiting.pop()]
-        more = [one for one in sources if one.endswith(".h") and one not in found and f'"{one}"' in text]
+        more = [source for source in sources if source.endswith(".h") and source not in found and f'"{source}"' in text]
         found |= {one: sources[one] for one in more}
         waiting += more
     return found

@@ -141,7 +141,7 @@ def _take(whole: System, part: System, connections: Mapping[str, str]) -> None:
 
 def _put_in_order(whole: System, links: Sequence[_Link], tables: Sequence[Table]) -> None:
     """Put each link and table after those that it needs, with its rank among those of its kind."""
-    nodes: list[Call | Waist | Table] = [*(one.link for one in links), *tables]
+    nodes: list[Call | Waist | Table] = [*(link.link for link in links), *tables]
     needs = _needs([_needed_by(node) for node in nodes], [node.symbols for node in nodes])
     place: dict[int, int] = {}
     waiting = list(range(len(nodes)))
@@ -176,7 +176,7 @@ def _needed_by(node: Call | Waist | Table) -> ca.SX:
 def _needs(values: Sequence[ca.SX], symbols: Sequence[ca.SX]) -> list[set[int]]:
     """Return, for each value, the numbers of those whose symbols are in it."""
     rows, columns = ([i for i, one in enumerate(all_) for _ in range(one.numel())] for all_ in (values, symbols))
-    pattern = ca.jacobian_sparsity(ca.vertcat(*[ca.vec(one) for one in values]), ca.vertcat(*symbols))
+    pattern = ca.jacobian_sparsity(ca.vertcat(*[ca.vec(value) for value in values]), ca.vertcat(*symbols))
     needs: list[set[int]] = [set() for _ in values]
     for row, column in zip(*pattern.get_triplet(), strict=True):
         needs[rows[row]].add(columns[column])
@@ -187,5 +187,5 @@ def _ranks(in_order: Sequence[int], needs: Sequence[set[int]], counted: set[int]
     """Return, for each node, the largest number of counted nodes in a chain of those that it needs."""
     rank: dict[int, int] = {}
     for node in in_order:
-        rank[node] = max((rank[one] + (one in counted) for one in needs[node]), default=0)
+        rank[node] = max((rank[need] + (need in counted) for need in needs[node]), default=0)
     return rank

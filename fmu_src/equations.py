@@ -92,16 +92,16 @@ def functions(system: System) -> dict[str, Generated]:
 SHARED = "shared_"
 
 
-def _shared(name: str, one: Generated) -> Generated:
+def _shared(name: str, generated: Generated) -> Generated:
     """Return the function under a name that follows from its instructions."""
-    function, given = one.function, one.function.sx_in()
+    function, given = generated.function, generated.function.sx_in()
     own = f"{SHARED}{name}_{digest_of(function)}"
-    return replace(one, function=ca.Function(own, given, function.call(given, True, False)))
+    return replace(generated, function=ca.Function(own, given, function.call(given, True, False)))
 
 
-def is_shared(one: Generated) -> bool:
+def is_shared(generated: Generated) -> bool:
     """Return whether a function has its own name in all systems that have it, and its own file."""
-    return one.function.name().startswith(SHARED)
+    return generated.function.name().startswith(SHARED)
 
 
 def function_of(chain: Chain, name: str, expressions: list[ca.SX], given: list[ca.SX]) -> Generated:
@@ -114,7 +114,7 @@ def function_of(chain: Chain, name: str, expressions: list[ca.SX], given: list[c
             users |= symbols_in(call.plain)
     needed.sort(key=lambda call: call.rank)
     slopes = _needed_slopes(needed, users)
-    left = [ca.vertcat(call.symbols, call.slopes[list(one)]) for call, one in zip(needed, slopes, strict=True)]
+    left = [ca.vertcat(call.symbols, call.slopes[list(slope)]) for call, slope in zip(needed, slopes, strict=True)]
     given_to: dict[int, list[ca.SX]] = {}
     for call in needed:
         given_to.setdefault(call.rank, []).append(call.plain)

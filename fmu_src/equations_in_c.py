@@ -77,15 +77,15 @@ def _by_file(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Gro
         functions = [
             parts[part_name(one.part, one.slopes)] for one in groups.values() if one.part.name == group.part.name
         ]
-        calls = any(not call.part.flat for one in functions for call in one.calls)
+        calls = any(not call.part.flat for function in functions for call in function.calls)
         apart = not calls and max(one.function.n_instructions() for one in functions) > LONGEST
         files.setdefault(f"{name}_{group.part.name}" if apart else name, {})[entry] = group
     return files
 
 
-def _alone(one: Generated) -> str:
+def _alone(generated: Generated) -> str:
     """Return the file of a function that several systems have."""
-    body = _of_one_number(one.function.name(), one)
+    body = _of_one_number(generated.function.name(), generated)
     return "\n".join([*HEAD, '#include "lanes_pairs.h"', "#define LANES 1", *_in_lanes([_written(body)]), ""])
 
 
@@ -117,7 +117,10 @@ def _tables(functions: Sequence[Generated]) -> dict[str, str]:
     """Return a file for each table that is looked up."""
     head = '#include "model.h"\n#include "piecewise.h"\n'
     found = {
-        call.part.name: call.part for one in functions for call in one.calls if call.part.flat and not call.part.inline
+        call.part.name: call.part
+        for function in functions
+        for call in function.calls
+        if call.part.flat and not call.part.inline
     }
     return {f"{TABLE_FILE}{name}.c": head + part.source for name, part in found.items()}
 
@@ -127,8 +130,8 @@ def _functions_of_parts(own: Sequence[Generated]) -> dict[str, Generated]:
     made: dict[str, Generated] = {}
     parts: dict[str, Part] = {}
 
-    def make_calls(one: Generated) -> None:
-        for call, needed in zip(one.calls, one.slopes, strict=True):
+    def make_calls(generated: Generated) -> None:
+        for call, needed in zip(generated.calls, generated.slopes, strict=True):
             make(call.part, needed)
             if call.each and call.each.asked:
                 make(call.each.asked, ())
@@ -174,8 +177,8 @@ def _parts_within(
     called: dict[str, Group] = {}
     most: dict[str, int] = {}
 
-    def find(one: Generated, lanes: int) -> None:
-        groups = [group for rank in Rooms.of(one, False).groups for group in rank]
+    def find(generated: Generated, lanes: int) -> None:
+        groups = [group for rank in Rooms.of(generated, False).groups for group in rank]
         asked = [group.each.asked for group in groups if group.each and group.each.asked]
         for group in [*(Group(part, (), False, True) for part in asked), *groups]:
             if lanes > most.get(group.function, 0):
@@ -224,22 +227,22 @@ class Body:
     end: str = ""
 
 
-def _of_one_number(name: str, one: Generated) -> Body:
+def _of_one_number(name: str, generated: Generated) -> Body:
     """Return a function as the runtime calls it, `generated_function` in model.h."""
-    function, rooms = one.function, Rooms.of(one, True)
+    function, rooms = generated.function, Rooms.of(generated, True)
     parameters = "const double **arg, double **res, long long int *iw, double *w, int mem"
-    left = function.n_in() - 1 if one.calls else function.n_in()
+    left = function.n_in() - 1 if generated.calls else function.n_in()
 
     def read(number: int, place: int) -> str:
         return f"arg[{number}][{place}]" if number < left else f"left[{rooms.left[place]}]"
 
     def write(number: int, place: int) -> list[str]:
-        if number >= one.ranks:
-            return [f"res[{number - one.ranks}][{place}] = {{}}"]
+        if number >= generated.ranks:
+            return [f"res[{number - generated.ranks}][{place}] = {{}}"]
         return [f"given_{number}[{where}] = {{}}" for where in rooms.given[number][place]]
 
     def calls(number: int) -> list[Statement]:
-        found = rooms.groups[number] if number < one.ranks else []
+        found = rooms.groups[number] if number < generated.ranks else []
         return [Statement(_plain(call_of_group(name, number, group))) for group in found]
 
     statements = paired(statements_of(function, Memory(read, write), calls))
@@ -249,19 +252,19 @@ def _of_one_number(name: str, one: Generated) -> Body:
     return Body(piece, head, parameters, "arg, res, iw, w, mem", statements, rooms.sizes, "1", groups, "  return 0;\n")
 
 
-def _of_part(name: str, one: Generated, own_name: str, distance: str) -> Body:
+def _of_part(name: str, generated: Generated, own_name: str, distance: str) -> Body:
     """Return a part in lanes: distance, C of a number, is how far the numbers of a lane are from each other."""
     parameters = "const double *arguments, const double *constants, double *results"
     face = LanesFace(parameters, "arguments, constants, results", ["arguments", "constants"], ["results"])
-    return _of_lanes(name, one, own_name, face, distance)
+    return _of_lanes(name, generated, own_name, face, distance)
 
 
-def _of_all_lanes(name: str, one: Generated) -> Body:
+def _of_all_lanes(name: str, generated: Generated) -> Body:
     """Return a function of a system in lanes, `lanes_function` in batch.h."""
-    inputs = [f"arg[{number}]" for number in range(one.function.n_in())]
-    results = [f"res[{number}]" for number in range(one.function.n_out() - one.ranks)]
+    inputs = [f"arg[{number}]" for number in range(generated.function.n_in())]
+    results = [f"res[{number}]" for number in range(generated.function.n_out() - generated.ranks)]
     face = LanesFace("const double *const *arg, double *const *res", "arg, res", inputs, results)
-    return _of_lanes(name, one, one.function.name(), face, "LANES")
+    return _of_lanes(name, generated, generated.function.name(), face, "LANES")
 
 
 def function_of_cells(function: ca.Function) -> str:
@@ -286,9 +289,9 @@ class LanesFace:
     results: Sequence[str]
 
 
-def _of_lanes(name: str, one: Generated, own_name: str, face: LanesFace, distance: str) -> Body:
-    function, rooms = one.function, Rooms.of(one, False)
-    inputs = [*face.inputs[: function.n_in() - 1], "left"] if one.calls else face.inputs
+def _of_lanes(name: str, generated: Generated, own_name: str, face: LanesFace, distance: str) -> Body:
+    function, rooms = generated.function, Rooms.of(generated, False)
+    inputs = [*face.inputs[: function.n_in() - 1], "left"] if generated.calls else face.inputs
 
     def at(array: str, place: int, by: str) -> str:
         return f"{array} + {place * int(by)}" if by.isdigit() else f"{array} + {place} * {by}"
@@ -299,20 +302,20 @@ def _of_lanes(name: str, one: Generated, own_name: str, face: LanesFace, distanc
         return f"real_load({at(inputs[number], place, distance)})"
 
     def write(number: int, place: int) -> list[str]:
-        if number >= one.ranks:
-            return [f"real_store({at(face.results[number - one.ranks], place, distance)}, {{}})"]
+        if number >= generated.ranks:
+            return [f"real_store({at(face.results[number - generated.ranks], place, distance)}, {{}})"]
         return [give(number, where) for where in rooms.given[number][place]]
 
     def give(rank: int, place: int) -> str:
         return f"real_store({at(f'given_{rank}', place, 'LANES')}, {{}})"
 
     def calls(number: int) -> list[Statement]:
-        found = rooms.groups[number] if number < one.ranks else []
+        found = rooms.groups[number] if number < generated.ranks else []
         return [Statement(_plain(call_in_lanes(name, number, group))) for group in found]
 
     statements = statements_of(function, Memory(read, write), calls)
     for rank, groups in enumerate(rooms.groups):
-        for group in (one for one in groups if one.conditional):
+        for group in (generated for generated in groups if generated.conditional):
             gives = {give(rank, group.given + place) for place in range(group.numbers)}
             statements = given_where_asked(statements, gives, _plain(call_in_lanes(name, rank, group)))
     head = f"static void LANES_NAME({name}_{own_name})({face.parameters})"
@@ -322,12 +325,12 @@ def _of_lanes(name: str, one: Generated, own_name: str, face: LanesFace, distanc
 
 def given_where_asked(statements: Sequence[Statement], gives: set[str], call: str) -> list[Statement]:
     """Return the statements with those of these forms moved into the call, after ASKED, and their loads with them."""
-    stores = [one for one in statements if one.form in gives]
+    stores = [statement for statement in statements if statement.form in gives]
     loads = {one.values[0]: one.form for one in statements if one.form.startswith("real_load(") and not one.operands}
     given = [
         loads.get(operand, operand) if isinstance(operand, int) else operand
-        for one in stores
-        for operand in one.operands
+        for store in stores
+        for operand in store.operands
     ]
     inside = "".join(f"{one.form};\n      " for one in stores)
     made = [
@@ -363,7 +366,7 @@ def _written(body: Body) -> str:
 
 def _locals(statements: Sequence[Statement]) -> dict[int, str]:
     """Return a local name for each value; names are reused after the last read. Those of masks begin with m."""
-    last = {value: number for number, one in enumerate(statements) for value in one.reads}
+    last = {value: number for number, statement in enumerate(statements) for value in statement.reads}
     masks = {value for one in statements if one.mask for value in one.values}
     names: dict[int, str] = {}
     free: dict[bool, list[str]] = {True: [], False: []}
@@ -391,7 +394,10 @@ def _bodies(body: Body) -> tuple[list[str], int]:
     pieces = [statements[start : start + longest] for start in range(0, len(statements), longest)]
     born = {value: n for n, piece in enumerate(pieces) for one in piece for value in one.values}
     left = {value for n, piece in enumerate(pieces) for one in piece for value in one.reads if born[value] < n}
-    names, masks = _locals(statements), {value for one in statements if one.mask for value in one.values}
+    names, masks = (
+        _locals(statements),
+        {value for statement in statements if statement.mask for value in statement.values},
+    )
     by = "" if body.lanes == "1" else " * LANES"
     numbered = enumerate(dict.fromkeys(names[value] for value in sorted(left)))
     places = {name: f"kept + {number}{by}" for number, name in numbered}

@@ -31,7 +31,9 @@ def without_effect(model: Model, system: System) -> list[str]:
 
 def with_effect(system: System) -> set[str]:
     """Return the parameters on which some expression of a system depends, directly or through parts and constants."""
-    needed = symbols_in(system.without_waists(ca.vertcat(*[ca.vec(one) for one in expressions_of(system)])))
+    needed = symbols_in(
+        system.without_waists(ca.vertcat(*[ca.vec(expression) for expression in expressions_of(system)]))
+    )
     for call in reversed(system.calls):
         if not needed.isdisjoint(call.own):
             # Arguments and constants on which the results of the part depend, and `when`, which comes after them.
@@ -55,7 +57,7 @@ def what_moves_constants(system: System) -> list[frozenset[int]]:
     if constants.is_empty() or parameters.is_empty():
         return [frozenset() for _ in system.derived_expressions]
     records = ca.vertcat(*[one.symbol for one in system.records])
-    own = np.array([one.value for one in system.records])
+    own = np.array([record.value for record in system.records])
     both = [constants, ca.jacobian(constants, parameters)]
     slopes = ca.Function("slopes", [parameters, records], both)
     starts = {variable.name: variable.start for variable in system.variables}

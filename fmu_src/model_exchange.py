@@ -68,7 +68,7 @@ def indicators(model: Model) -> list[Variable]:
     of = exchanged(model)
     if not of:
         return []
-    texts = [f"{one.label}: {one.stuck_word} or {one.sliding_word}" for one in of.frictions]
+    texts = [f"{friction.label}: {friction.stuck_word} or {friction.sliding_word}" for friction in of.frictions]
     texts += [condition.sentence.split(" at %s")[0] for condition in of.end_conditions]
     return [
         Variable(f"event_indicator_{number}", "local", "1", f"Crosses 0 at an event. {text}")

@@ -31,7 +31,7 @@ class _Segment:
 
     def __init__(self, statements: Sequence[Statement]) -> None:
         self.statements = statements
-        self.by_value = {value: number for number, one in enumerate(statements) for value in one.values}
+        self.by_value = {value: number for number, statement in enumerate(statements) for value in statement.values}
         self.done: set[int] = set()
         self.made: list[Statement] = []
 

@@ -47,10 +47,12 @@ def kinds_of(root: RecordKind) -> list[RecordKind]:
 
 
 def _arrays_of_kind(kind: RecordKind, place: str, kinds: list[RecordKind]) -> Iterable[str]:
-    numbers = (f"{{{c_text(one.name)}, {c_number(one.minimum)}, {c_number(one.maximum)}}}" for one in kind.numbers)
+    numbers = (
+        f"{{{c_text(number.name)}, {c_number(number.minimum)}, {c_number(number.maximum)}}}" for number in kind.numbers
+    )
     tables = (
-        f"{{{c_text(one.name)}, {2 + one.degree}, {c_number(one.minimum)}, {c_number(one.maximum)}}}"
-        for one in kind.tables
+        f"{{{c_text(table.name)}, {2 + table.degree}, {c_number(table.minimum)}, {c_number(table.maximum)}}}"
+        for table in kind.tables
     )
     lists = (f"{{{c_text(one.name)}, {kinds.index(one.kind)}, {one.least}, {one.most}}}" for one in kind.lists)
     yield c_array("number_of_record", f"NUMBER_OF_{place}", numbers)
@@ -73,7 +75,7 @@ def own_name(own: OwnRecord) -> str:
 
 def own_records(records: Iterable[OfRecord]) -> dict[str, Record]:
     """Return the root records of these by their names in C."""
-    return {own_name(one): one.record for one in dict.fromkeys(each.own for each in records)}
+    return {own_name(fromkey): fromkey.record for fromkey in dict.fromkeys(each.own for each in records)}
 
 
 def record_in_c(name: str, record: Record) -> str:

@@ -63,12 +63,14 @@ def experiment_files(model: Model, experiments: Sequence[Experiment]) -> dict[st
     """Return the experiments by name: their descriptions, parameters, inputs and results."""
     files = {EXPERIMENTS_FILE: experiments_file(model, experiments)}
     kernel = Kernel(Library(library_of(generate(model))))
-    for one in experiments:
-        files[f"{one.name}.ssv"] = parameter_file(one.name, one.description, one.parameters, model.variables)
-        files[f"{one.name}_in.csv"] = table(
-            ["time", *one.inputs], [[t, *one.inputs.values()] for t in (0, one.stop_time)]
+    for experiment in experiments:
+        files[f"{experiment.name}.ssv"] = parameter_file(
+            experiment.name, experiment.description, experiment.parameters, model.variables
         )
-        files[f"{one.name}_out.csv"] = table(["time", *one.outputs], results(kernel, one))
+        files[f"{experiment.name}_in.csv"] = table(
+            ["time", *experiment.inputs], [[t, *experiment.inputs.values()] for t in (0, experiment.stop_time)]
+        )
+        files[f"{experiment.name}_out.csv"] = table(["time", *experiment.outputs], results(kernel, experiment))
     return files
 
 
@@ -98,12 +100,12 @@ def table(names: Sequence[str], rows: Sequence[Sequence[float]]) -> bytes:
 def experiments_file(model: Model, experiments: Sequence[Experiment]) -> bytes:
     """Return the experiments of an FMU, with the names of their files."""
     root = ET.Element("Experiments", name=model.name, description=f"Reference experiments of {model.name}")
-    for one in experiments:
-        element = ET.SubElement(root, "Experiment", name=one.name, description=one.description)
-        times = {"startTime": "0.0", "stopTime": repr(one.stop_time), "stepSize": repr(one.step_size)}
+    for experiment in experiments:
+        element = ET.SubElement(root, "Experiment", name=experiment.name, description=experiment.description)
+        times = {"startTime": "0.0", "stopTime": repr(experiment.stop_time), "stepSize": repr(experiment.step_size)}
         ET.SubElement(element, "TransientSimulation", times)
         for kind, end in (("Parameters", ".ssv"), ("Stimuli", "_in.csv"), ("References", "_out.csv")):
-            ET.SubElement(element, kind, type=KINDS[end][0], source=f"{one.name}{end}")
+            ET.SubElement(element, kind, type=KINDS[end][0], source=f"{experiment.name}{end}")
     return xml_file(root)
 
 
@@ -127,9 +129,9 @@ def page(model: Model, sets: Mapping[str, bytes], experiments: Sequence[Experime
     """Return a page that lists the sets and experiments, for people."""
     listed = "".join(f"<li><code>{name}</code></li>\n" for name in sets)
     runs = "".join(
-        f"<li><code>{one.name}</code>: {html.escape(one.description)}, {one.stop_time:g} s in steps of "
-        f"{one.step_size:g} s</li>\n"
-        for one in experiments
+        f"<li><code>{experiment.name}</code>: {html.escape(experiment.description)}, {experiment.stop_time:g} s in "
+        f"steps of {experiment.step_size:g} s</li>\n"
+        for experiment in experiments
     )
     return (
         f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}: references</title>\n'

@@ -54,12 +54,12 @@ def _fault_of_elf(data: bytes) -> str:
     if kind != ET_DYN:
         return "is not a shared library"
     segments = [_segment(data, programs + number * each, wide, order) for number in range(count)]
-    ends = [one.offset + one.in_file for one in segments if one.in_file]
+    ends = [segment.offset + segment.in_file for segment in segments if segment.in_file]
     end = max([programs + count * each, sections + section_count * each_section if sections else 0, *ends])
     if end > len(data):
         return f"is cut off at {len(data)} of {end} bytes"
     loads = [one for one in segments if one.kind == PT_LOAD]
-    if any(one.in_file > one.in_memory for one in loads):
+    if any(load.in_file > load.in_memory for load in loads):
         return "has a damaged segment"
     [*tables] = [one for one in segments if one.kind == PT_DYNAMIC]
     if len(tables) != 1 or not _good_table(data, tables[0], loads, f"{order}{'QQ' if wide else 'II'}"):
@@ -79,7 +79,7 @@ def _good_table(data: bytes, table: Segment, loads: list[Segment], form: str) ->
     """Return whether a dynamic section ends, lies in a segment, and names only addresses inside of the segments."""
 
     def is_inside(address: int) -> bool:
-        return any(one.address <= address < one.address + one.in_memory for one in loads)
+        return any(load.address <= address < load.address + load.in_memory for load in loads)
 
     size = struct.calcsize(form)
     found: dict[int, int] = {}

@@ -77,7 +77,7 @@ def write_ssp(
 
 def _with_own_files(components: Sequence[Component]) -> list[Component]:
     """Return components whose files have names of their own: FMUs of one name in different folders differ."""
-    names = [one.fmu.name for one in components]
+    names = [component.fmu.name for component in components]
     return [replace(one, archived=f"{one.name}.fmu") if names.count(one.fmu.name) > 1 else one for one in components]
 
 

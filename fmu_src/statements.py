@@ -75,7 +75,8 @@ class Statement:
         """Return the statement, with the names of values."""
         targets = [names[value] for value in self.values]
         text = self.form.format(
-            *(names[one] if isinstance(one, int) else one for one in self.operands), *(targets if self.written else ())
+            *(names[operand] if isinstance(operand, int) else operand for operand in self.operands),
+            *(targets if self.written else ()),
         )
         return f"{text};" if self.written or not targets else f"{targets[0]} = {text};"
 
@@ -185,7 +186,7 @@ def _computed(
             "(OPERATIONS in fmu_src/statements.py); write the equation with these."
         )
     masks = _TAKES_MASKS.get(operation, 0)
-    taken = [values.as_mask(one) if n < masks else values.as_number(one) for n, one in enumerate(operands)]
+    taken = [values.as_mask(operand) if n < masks else values.as_number(operand) for n, operand in enumerate(operands)]
     if operation == ca.OP_CONSTPOW and operands[1] in _OF_THIRD_ROOT:
         root = values.of("real_cbrt({})", taken[:1])
         return root if operands[1] == _THIRD else values.of(_OF_THIRD_ROOT[operands[1]], (root,))

@@ -13,22 +13,24 @@ def step_in_c(step: StepInC) -> ArraysFmu:
     own = {"step_object.c": (RUNTIME / "step_object.c").read_text(encoding="utf-8"), "step_model.h": _numbers(step)}
     model = step.model
     arrays, sources = tuple(_array(one) for one in model.variables), {**step.sources, **own}
-    given = ArraysInC(step.name, step.description, arrays, sources, 1, True, foreign=tuple(step.sources))
-    starts = [[one.start] for one in model.variables]
-    return ArraysFmu(given, [1] * len(starts), starts, model.step_size, model.stop_time)
+    arrays_in_c = ArraysInC(step.name, step.description, arrays, sources, 1, True, foreign=tuple(step.sources))
+    starts = [[variable.start] for variable in model.variables]
+    return ArraysFmu(arrays_in_c, [1] * len(starts), starts, model.step_size, model.stop_time)
 
 
-def _array(one: Variable) -> ArrayVariable:
+def _array(variable: Variable) -> ArrayVariable:
     """Return the array of a variable; an input takes any value of a sensor, NaN too."""
-    limits = (one.minimum, one.maximum)
+    limits = (variable.minimum, variable.maximum)
     return ArrayVariable(
-        *(one.name, one.causality, one.unit, one.description, *limits), one.kind == "integer", one.causality == "input"
+        *(variable.name, variable.causality, variable.unit, variable.description, *limits),
+        variable.kind == "integer",
+        variable.causality == "input",
     )
 
 
 def _numbers(step: StepInC) -> str:
     """Return step_model.h: the numbers and functions with which step_object.c is compiled."""
-    least, most = ({int(getattr(one, limit)) for one in step.outputs} for limit in ("minimum", "maximum"))
+    least, most = ({int(getattr(output, limit)) for output in step.outputs} for limit in ("minimum", "maximum"))
     return f"""/* What step_object.c is compiled with. */
 #include "{step.header}"
 #define INPUTS {len(step.inputs)}

@@ -348,7 +348,7 @@ class System(Chain):
     @property
     def record_file(self) -> RecordFile | None:
         """Return the file of records that the equations use, or None."""
-        return next((one.file for one in self.records), None)
+        return next((record.file for record in self.records), None)
 
     def direction(self, name: str) -> ca.SX:
         """Return the symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards.
@@ -589,7 +589,7 @@ class System(Chain):
             ca.vertcat(*self.parameter_symbols.values()),
             ca.vertcat(*self.derived_symbols.values()),
             ca.vertcat(*[friction.direction for friction in self.frictions]),
-            ca.vertcat(*[table.symbols for table in self.ranked_tables], *[one.symbol for one in self.records]),
+            ca.vertcat(*[table.symbols for table in self.ranked_tables], *[record.symbol for record in self.records]),
         ]
 
     @property

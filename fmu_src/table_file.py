@@ -51,7 +51,7 @@ def _column(column: Column, unit: int) -> str:
     """Return a column in C; unit: place of its unit among those of the file."""
     shown = "" if column.unit == "1" else column.unit
     limits = f"{c_number(column.minimum)}, {c_number(column.maximum)}"
-    units = f"UNIT_OF_FILE_{unit}, {sum(len(twins_of(one)) for one in spellings_for(column.unit))}"
+    units = f"UNIT_OF_FILE_{unit}, {sum(len(twins_of(spelling)) for spelling in spellings_for(column.unit))}"
     return f"{{{c_text(column.name)}, {c_text(shown)}, {limits}, {_truth(column.required)}, {units}}}"
 
 

@@ -34,10 +34,10 @@ def terminals_and_icons(terminals: Sequence[Terminal]) -> bytes:
     ET.SubElement(drawing, "CoordinateSystem", CORNERS | {"suggestedScalingFactorTo_mm": "0.1"})
     ET.SubElement(drawing, "Icon", CORNERS)
     listed = ET.SubElement(root, "Terminals") if terminals else root
-    for one in terminals:
-        about = {"name": one.name, "matchingRule": "plug", "terminalKind": f"_bogie-braking_{one.kind}"}
-        element = ET.SubElement(listed, "Terminal", about | {"description": one.description})
-        for kind, members in (("signal", one.signals), ("inflow", one.flows)):
+    for terminal in terminals:
+        about = {"name": terminal.name, "matchingRule": "plug", "terminalKind": f"_bogie-braking_{terminal.kind}"}
+        element = ET.SubElement(listed, "Terminal", about | {"description": terminal.description})
+        for kind, members in (("signal", terminal.signals), ("inflow", terminal.flows)):
             for member, variable in members.items():
                 names = {"variableName": variable, "memberName": member, "variableKind": kind}
                 ET.SubElement(element, "TerminalMemberVariable", names)

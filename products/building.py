@@ -185,9 +185,7 @@ def variables_of(name: str) -> dict[str, Variable]:
     def written() -> str:
         return json.dumps([asdict(variable) for variable in model_of(name).variables])
 
-    return {
-        found["name"]: Variable(**found) for found in json.loads(remembered(name, "variables", [Variable], written))
-    }
+    return {load["name"]: Variable(**load) for load in json.loads(remembered(name, "variables", [Variable], written))}
 
 
 def units_of(name: str) -> dict[str, str]:

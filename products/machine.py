@@ -127,7 +127,7 @@ class Machine:
     def mass(self) -> float:
         """Mass of all bodies and wheelsets [kg]."""
         values = self.parameters.values()
-        sizes = [*(one.mass for one in self.vehicle.bodies), *(one.mass for one in self.vehicle.wheelsets)]
+        sizes = [*(body.mass for body in self.vehicle.bodies), *(wheelset.mass for wheelset in self.vehicle.wheelsets)]
         return float(sum(size_of(mass, values) for mass in sizes))
 
     @property

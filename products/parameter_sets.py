@@ -48,7 +48,7 @@ class NamedSet:
 
     def values(self) -> dict[str, float]:
         """Return the values of all sources and the rail under four wheelsets that the FMU has, in SI units."""
-        values = {key: value for one in self.sources for key, value in one().values().items()}
+        values = {key: value for source in self.sources for key, value in source().values().items()}
         return values_for(self.fmu, values | (self.rail.values(4) if self.rail else {}))
 
 

@@ -66,7 +66,7 @@ def write_table() -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         for name in FMUS:
-            rows = ([__version__, name, one.name, *promise_of(one)] for one in model_of(name).variables)
+            rows = ([__version__, name, variable.name, *promise_of(variable)] for variable in model_of(name).variables)
             writer.writerows(rows)
 
 

@@ -132,7 +132,7 @@ class DataSheet:
         if self.axles == 2:
             found = two_axle_bogie(self.parameters)
             pair = synthetic_pair()
-            wheelsets = tuple(replace(one, pair=pair) for one in found.wheelsets)
+            wheelsets = tuple(replace(wheelset, pair=pair) for wheelset in found.wheelsets)
             return replace(found, name=self.name, wheelsets=wheelsets)
         assert isinstance(self.parameters, VehicleParameters)
         make = four_axle_vehicle if self.axles == 4 else six_axle_vehicle
@@ -232,7 +232,7 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
 def _profile_files(given: object) -> tuple[Path, ...]:
     """Return the paths of contact tables: a list, or a text with semicolons between them. Raises ValueError."""
     paths = [one.strip() for one in given.split(";")] if isinstance(given, str) else given
-    if not isinstance(paths, list) or not all(isinstance(one, str) for one in paths):
+    if not isinstance(paths, list) or not all(isinstance(path, str) for path in paths):
         raise ValueError(
             f"profile_file must be the path of a contact table, or a list of paths; got {shown(given)}. Put paths in "
             "quotes."

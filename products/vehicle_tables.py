@@ -59,7 +59,7 @@ def _force_table(table: str, content: Mapping[str, Any]) -> ForceTable:
     entries = FORCE_TABLES[table]
     check_names(content, list(entries), f"[{table}] ")
     lists, others = list(entries)[:2], list(entries)[2:]
-    for key in (*lists, *(one for one in others if one in REQUIRED)):
+    for key in (*lists, *(other for other in others if other in REQUIRED)):
         if key not in content:
             raise ValueError(f"[{table}] {key} must be given; got none. Add it.")
     places, forces = (_numbers(table, key, content[key]) for key in lists)
@@ -80,7 +80,11 @@ def _numbers(table: str, key: str, value: object) -> tuple[float, ...]:
 
 def with_force_tables(vehicle: Vehicle, tables: Mapping[str, ForceTable]) -> Vehicle:
     """Return a vehicle on two bogies with these connections; bump stops replace those that it has."""
-    connections = [one for one in vehicle.connections if "bump_stop" not in tables or not isinstance(one, BumpStop)]
+    connections = [
+        connection
+        for connection in vehicle.connections
+        if "bump_stop" not in tables or not isinstance(connection, BumpStop)
+    ]
     for table, data in tables.items():
         height: Size = "secondary_height"
         if "height" in data.sizes:

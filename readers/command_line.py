@@ -74,7 +74,7 @@ class CommandLine(argparse.ArgumentParser):
 
     def _unknown(self, given: str) -> str:
         option = given.partition("=")[0]
-        known = [one for action in self._actions for one in action.option_strings]
+        known = [option_string for action in self._actions for option_string in action.option_strings]
         if not given.startswith("-"):
             return f"{self.prog} must have no argument {shown(given)} here. Leave it out."
         if new := present_name(option, known):
@@ -86,7 +86,7 @@ class CommandLine(argparse.ArgumentParser):
         if action.choices is None or value in action.choices:
             return
         name = "/".join(action.option_strings) or str(action.metavar or action.dest)
-        choices = [str(one) for one in action.choices]
+        choices = [str(choice) for choice in action.choices]
         near = difflib.get_close_matches(str(value), choices, 1)
         end = f" Did you mean {near[0]}?" if near else ""
         text = f"{name} must be one of {', '.join(choices)}; got {shown(value)}.{end}"

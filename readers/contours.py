@@ -139,8 +139,8 @@ def _numbers(body: Body) -> tuple[Points, NDArray[np.int64], list[str]]:
     unit = body.unit or (1.0, 1.0)
     limit = LARGEST * unit[1] / unit[0]
     cells = [
-        Column(one, "mm", -limit, limit, required=True) if one in (y, z) else Column(one, "mm", filled=False)
-        for one in columns
+        Column(column, "mm", -limit, limit, required=True) if column in (y, z) else Column(column, "mm", filled=False)
+        for column in columns
     ]
     table = table_of(
         "\n".join(lines), body.source, cells, by_position=True, others=named and not body.columns, most_rows=MOST_POINTS
@@ -247,7 +247,7 @@ def _neutral(value: str, key: str) -> bool:
         return True
     numbers = [value] if number_in(value) else [one for one in re.split(r"[\s;,]+", value) if one]
     same = 1.0 if FACTORS.search(key) else 0.0
-    return all(number_of(one) == same for one in numbers)
+    return all(number_of(number) == same for number in numbers)
 
 
 def unit_of(source: str, row: int, key: str, value: str) -> tuple[float, float]:

@@ -103,12 +103,12 @@ class Notes:
     def imported(self, rows: list[Row]) -> Imported:
         """Return the rows with all sentences."""
         return Imported(
-            rows=rows, **{kind: [self._told_of(*one) for one in told.items()] for kind, told in self._told.items()}
+            rows=rows, **{kind: [self._told_of(*item) for item in told.items()] for kind, told in self._told.items()}
         )
 
     def _told_of(self, sentence: str, places: list[str]) -> str:
         """Return a sentence with its vehicles, unless it applies to all of them."""
-        named = [one for one in places if one]
+        named = [place for place in places if place]
         if not named or (len(self._vehicles) > 1 and len(named) == len(self._vehicles)) or len(self._vehicles) == 1:
             return sentence
         more = f" and {len(named) - NAMED} more" if len(named) > NAMED else ""

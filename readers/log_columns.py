@@ -150,14 +150,14 @@ class Naming:
                 return named[0]
             if named:
                 raise TableError(f"{self.place}: the column {shown(key)} must be there once; it is there twice.")
-        cells = [one.cell for one in heads]
+        cells = [head.cell for head in heads]
         near = get_close_matches(str(key), cells, 1)
         hint = f"did you mean {near[0]}?" if near else f"it has {quoted(', '.join(cells), 200)}."
         raise TableError(f"{source}: {self.place} has no column {shown(key)}; {hint}")
 
     def _exact(self, head: Head) -> list[Found]:
         """Return the variable with this name, also with a unit as the last word."""
-        known = {tidy(one): one for one in self.variables}
+        known = {tidy(variable): variable for variable in self.variables}
         bare = tidy(head.name)
         if bare in known:
             return [Found(head, known[bare], head.unit)]

@@ -97,7 +97,7 @@ GERMAN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 def plain(name: str) -> str:
     """Return a name in small ASCII letters, digits and underscores."""
     letters = unicodedata.normalize("NFKD", name.casefold().translate(GERMAN))
-    bare = "".join(one for one in letters if not unicodedata.combining(one))
+    bare = "".join(letter for letter in letters if not unicodedata.combining(letter))
     return re.sub(r"[^a-z0-9]+", "_", bare).strip("_")
 
 
@@ -110,7 +110,7 @@ def unit_like(text: str) -> str:
 def numbered(words: str) -> tuple[str, int | None]:
     """Return the words without the only whole number among them, and this number: `axle_1_speed`, `v1`."""
     parts = re.findall(r"[a-z]+|\d+", words)
-    digits = [one for one in parts if one.isdigit()]
+    digits = [part for part in parts if part.isdigit()]
     if len(digits) != 1 or not 1 <= int(digits[0]) <= 99:
         return words, None
     return "_".join(one for one in parts if not one.isdigit()), int(digits[0])

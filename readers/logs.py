@@ -108,10 +108,12 @@ def _with_units(heads: list[Head], begin: Begin) -> tuple[list[Head], Begin]:
     at, cells = next(begin.rows_behind(), (0, []))
     units = {place: cell.strip("[]()") for place, cell in enumerate(cells) if cell}
     words = {"-", "1", "text", "iso", "utc"}
-    known = [one for one in units.values() if unit_like(one) or one.lower() in words]
+    known = [unit for unit in units.values() if unit_like(unit) or unit.lower() in words]
     if not at or len(known) < len(units) or not any(unit_like(one) and not number_in(one) for one in known):
         return heads, begin
-    named = [Head(one.at, one.cell, one.name, one.unit or unit_like(units.get(one.at, "")) or "") for one in heads]
+    named = [
+        Head(head.at, head.cell, head.name, head.unit or unit_like(units.get(head.at, "")) or "") for head in heads
+    ]
     return named, Begin(begin.source, begin.lines, begin.separator, at, begin.cells)
 
 
@@ -142,7 +144,7 @@ def _guesses(source: str, found: Sequence[Found], variables: Mapping[str, str]) 
 
 def _left_out(source: str, heads: Sequence[Head], used: set[int], out: set[int], texts: Mapping[int, str]) -> list[str]:
     """Return the line on columns that are not used and not left out by the map."""
-    rest = [one for one in heads if one.at not in used | out]
+    rest = [head for head in heads if head.at not in used | out]
     names = [f"{quoted(one.cell)} ({texts.get(one.at, 'no variable')})" for one in rest]
     more = f" and {len(names) - 12} more" if len(names) > 12 else ""
     return [f"{source}: left out {', '.join(names[:12])}{more}."] if names else []
@@ -197,10 +199,10 @@ class _Reading:
             decimals.search(cell) or (number_in(cell) and not THOUSANDS.fullmatch(cell)) for cell in cells
         )
 
-    def _cells(self, one: Found, unit: str, rows: NDArray[np.int64]) -> Cells:
-        column = Column(one.variable, unit, filled=False)
-        both = factor_of(one, unit, self.place) or unit_factor(column, one.unit, self.place)
-        return Cells(self.begin.source, rows, Place(one.head.at, column, both))
+    def _cells(self, found: Found, unit: str, rows: NDArray[np.int64]) -> Cells:
+        column = Column(found.variable, unit, filled=False)
+        both = factor_of(found, unit, self.place) or unit_factor(column, found.unit, self.place)
+        return Cells(self.begin.source, rows, Place(found.head.at, column, both))
 
     def _times(
         self, one: Found, unit: str, cells: list[str], rows: NDArray[np.int64], mark: DecimalMark, messages: list[str]
@@ -214,15 +216,15 @@ class _Reading:
         return found.seconds
 
     def _values(
-        self, one: Found, unit: str, cells: list[str], rows: NDArray[np.int64], mark: DecimalMark, messages: list[str]
+        self, found: Found, unit: str, cells: list[str], rows: NDArray[np.int64], mark: DecimalMark, messages: list[str]
     ) -> NDArray[np.float64]:
-        reader = self._cells(one, unit, rows)
-        raw = Cells(self.begin.source, rows, Place(one.head.at, reader.column)).numbers(cells, mark)
-        for value in (*one.missing, *_sentinels(raw)):
+        reader = self._cells(found, unit, rows)
+        raw = Cells(self.begin.source, rows, Place(found.head.at, reader.column)).numbers(cells, mark)
+        for value in (*found.missing, *_sentinels(raw)):
             where = raw == value
             if np.any(where):
                 raw[where] = math.nan
-                said = f"{quoted(one.head.cell)} is {value:g} in {count_of(np.sum(where))}, taken as no value"
+                said = f"{quoted(found.head.cell)} is {value:g} in {count_of(np.sum(where))}, taken as no value"
                 messages.append(f"{self.begin.source}: {said}.")
         return reader.place.converted(raw)
 
@@ -235,6 +237,6 @@ def _sentinels(values: NDArray[np.float64]) -> list[float]:
     low, high = float(np.min(usual)), float(np.max(usual))
     span = max(high - low, abs(high), abs(low)) * FAR
     many = usual.size >= MANY and span > 0.0
-    below, above = [one < low - span for one in SENTINELS], [many and one > high + span for one in SENTINELS]
+    below, above = [sentinel < low - span for sentinel in SENTINELS], [many and one > high + span for one in SENTINELS]
     far = [one for one, *sides in zip(SENTINELS, below, above, strict=True) if any(sides)]
     return [one for one in far if np.any(values == one)]

@@ -109,4 +109,4 @@ AnyQuantity = TypeVar("AnyQuantity", bound=Quantity)
 
 def by_name(*quantities: AnyQuantity) -> dict[str, AnyQuantity]:
     """Return quantities by their names."""
-    return {one.name: one for one in quantities}
+    return {quantity.name: quantity for quantity in quantities}

@@ -122,7 +122,7 @@ def table_of(
     place = f"{source}, row {begin.at}"
     numeric = all(number_in(cell) for cell in begin.cells if cell)
     if numeric and not by_position:
-        example = ", ".join(f"{one.name} [{one.unit}]" for one in columns[:3])
+        example = ", ".join(f"{column.name} [{column.unit}]" for column in columns[:3])
         raise TableError(
             f"{place}: the first row must have names; got {quoted(begin.cells[0])}. Add them, as in {example}."
         )
@@ -208,7 +208,7 @@ def _separator_of(rows: Sequence[str]) -> str:
     first = rows[0] if rows else ""
     if any(letter.isalpha() for letter in re.sub(r"\d[eE][+-]?\d", "0", first)):
         bare = re.sub(r'"[^"]*"', "", first)
-        return next((one for one in SEPARATORS if one in bare), ",")
+        return next((separator for separator in SEPARATORS if separator in bare), ",")
     return separator_of_numbers(rows) or next((one for one in SEPARATORS if one in first), BLANKS)
 
 

@@ -182,7 +182,7 @@ def twins_of(unit: str) -> tuple[str, ...]:
 def spellings_for(target: str) -> dict[str, tuple[float, float]]:
     """Return every spelling that converts to a unit, with its factor as `factor` returns it."""
     quantity = quantity_of(target)
-    found = {} if quantity is None else {one: factor(one, target) for one in SPELLINGS[quantity]}
+    found = {} if quantity is None else {spelling: factor(spelling, target) for spelling in SPELLINGS[quantity]}
     return {target: (1.0, 1.0)} | {one: both for one, both in found.items() if both is not None}
 
 

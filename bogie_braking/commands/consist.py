@@ -133,20 +133,20 @@ def _summary(found: Summary) -> str:
     head = ("vehicle", "kind", "count", "mass [t]", "length [m]", "lambda [%]", "N/t at 80 km/h", "by formula")
     rows = [
         (
-            *(one.name or "-", one.kind, f"{one.count}", f"{one.mass:.2f}", f"{one.length:.2f}"),
-            *(f"{one.percentage:.0f}", f"{one.resistance:.1f}", f"{one.resistance_by_formula:.1f} {one.formula}"),
+            *(kind.name or "-", kind.kind, f"{kind.count}", f"{kind.mass:.2f}", f"{kind.length:.2f}"),
+            *(f"{kind.percentage:.0f}", f"{kind.resistance:.1f}", f"{kind.resistance_by_formula:.1f} {kind.formula}"),
         )
-        for one in found.kinds
+        for kind in found.kinds
     ]
     names = ("speed [km/h]", "running resistance [kN]", "brake force [kN]", "emergency stop on level track [m]")
     numbers = [
         (
-            f"{one.speed:g}",
-            f"{one.resistance:.2f}",
-            f"{one.brake_force:.1f}",
-            "does not stop" if one.distance is None else f"{one.distance:.0f}",
+            f"{speed.speed:g}",
+            f"{speed.resistance:.2f}",
+            f"{speed.brake_force:.1f}",
+            "does not stop" if speed.distance is None else f"{speed.distance:.0f}",
         )
-        for one in found.speeds
+        for speed in found.speeds
     ]
     first = (
         f"{_vehicles(found.vehicles)}, {found.mass:.1f} t, {found.length:.1f} m, "
@@ -158,7 +158,7 @@ def _summary(found: Summary) -> str:
 
 def _couplings(found: Summary) -> list[str]:
     """Return the lines about couplings; built-in ones are left out."""
-    own = [one for one in found.couplings if one.name not in COUPLERS]
+    own = [coupling for coupling in found.couplings if coupling.name not in COUPLERS]
     if not own:
         return []
     head = (

@@ -192,7 +192,7 @@ def cache(compiles: bool) -> Finding:
         return Finding(MISSING, f"cache: {reason}", advice or compiling.sentence(compiling.ANOTHER_CACHE))
     size = sum(path.stat().st_size for path in compiling.CACHE.rglob("*") if path.is_file())
     text = f"cache: {compiling.CACHE}, {size / 1e6:.0f} MB"
-    wrong = [one.name for one in kept_files(compiling.CACHE) if one.exists() and not whole(one)]
+    wrong = [kept_file.name for kept_file in kept_files(compiling.CACHE) if kept_file.exists() and not whole(kept_file)]
     if wrong:
         text += f"; not whole: {shortened(wrong)}"
         return Finding(WITHOUT, text, "Nothing to do: each is made again when it is next needed.")

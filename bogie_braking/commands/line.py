@@ -111,7 +111,7 @@ def _import(chosen: argparse.Namespace, line: Any) -> int:
         place = chosen.out.with_name(f"{chosen.out.stem}-points.png")
         pictures.append(_save(figure_of_points(line), place))
     if chosen.json:
-        found = {"line": str(chosen.out), "pictures": [str(one) for one in pictures], **vars(account)}
+        found = {"line": str(chosen.out), "pictures": [str(picture) for picture in pictures], **vars(account)}
         print(json.dumps(found | document_of(check, SPEED), indent=2))
     elif not chosen.quiet:
         text = f"line:     {chosen.out}, {check.rows} rows, {check.end - check.begin:.3f} m"
@@ -161,7 +161,7 @@ def text_of(check: Any, speed: float) -> str:
     units = {"curvature": (1.0, "1/m"), "cant": (1e3, "mm"), "gradient": (1e3, "per mille")}
     for name, jumps in check.jumps.items():
         scale, unit = units[name]
-        places = ", ".join(f"{scale * one.value:+.3g} {unit} at {one.place:.1f} m" for one in jumps[:3])
+        places = ", ".join(f"{scale * jump.value:+.3g} {unit} at {jump.place:.1f} m" for jump in jumps[:3])
         more = f" and {len(jumps) - 3} more" if len(jumps) > 3 else ""
         numbers[f"jumps of {name}"] = f"{places}{more}" if jumps else "none"
     if check.adhesion:

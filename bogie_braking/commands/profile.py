@@ -144,7 +144,7 @@ def message(found: Running, patches: Limits) -> str:
 def findings(found: Running, patches: Limits) -> dict[str, Any]:
     """Return what was found, with units in the names."""
     gauge = gauge_of(found.sides)
-    flanges = [None if math.isinf(one) else round(1e3 * one, 3) for one in found.flanges]
+    flanges = [None if math.isinf(flange) else round(1e3 * flange, 3) for flange in found.flanges]
     notes = found.notes_at(COMPARED)
     return {
         "equivalent conicity at 3 mm [1]": round(found.conicity_at(COMPARED), 5),
@@ -153,7 +153,7 @@ def findings(found: Running, patches: Limits) -> dict[str, Any]:
         "flange contact, left and right [mm]": flanges,
         "patches, left and right": [len(patches[word]) for word in WORDS],
         "ends": ends(found),
-        "notes": [*found.sides.notes, *(f"equivalent conicity at {1e3 * COMPARED:g} mm: {one}" for one in notes)],
+        "notes": [*found.sides.notes, *(f"equivalent conicity at {1e3 * COMPARED:g} mm: {note}" for note in notes)],
     }
 
 

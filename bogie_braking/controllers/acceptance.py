@@ -73,22 +73,22 @@ def findings(tested: Sequence[CaseResult], criteria: Sequence[Criterion], looks:
     return [*(ended(one) for one in tested), *(finding(one, of, level) for one, of in pairs)]
 
 
-def ended(one: CaseResult) -> Finding:
+def ended(case_result: CaseResult) -> Finding:
     """Return whether every stop of a case ended at rest, and no draw made the controller fail."""
-    stop, count = one.score.stop, float(sum(of.distance is not None for of in one.score.each))
+    stop, count = case_result.score.stop, float(sum(of.distance is not None for of in case_result.score.each))
     verdict = UNDECIDED if not stop.judged else PASSES if stop.distance is not None else FAILS
-    return Finding(STOPS, one.case.name, count, 0.0, verdict, stop.message.replace(". (draw", " (draw"))
+    return Finding(STOPS, case_result.case.name, count, 0.0, verdict, stop.message.replace(". (draw", " (draw"))
 
 
-def finding(criterion: Criterion, one: CaseResult, level: float) -> Finding:
+def finding(criterion: Criterion, case_result: CaseResult, level: float) -> Finding:
     """Return a criterion in a case; level: probability of the interval of a mean."""
-    stop, name = one.score.stop, one.case.name
+    stop, name = case_result.score.stop, case_result.case.name
     if stop.distance is None:
         return Finding(criterion.name, name, None, 0.0, UNDECIDED, NO_STOP)
     if criterion.measure not in MEANS:
-        value = extreme(criterion.measure, one)
+        value = extreme(criterion.measure, case_result)
         return Finding(criterion.name, name, value, 0.0, PASSES if criterion.passes(value) else FAILS)
-    sample = mean(criterion.measure, one)
+    sample = mean(criterion.measure, case_result)
     if sample is None:
         return Finding(criterion.name, name, None, 0.0, UNDECIDED, "no distance to compare with")
     found = sample.estimate(level)
@@ -98,9 +98,9 @@ def finding(criterion: Criterion, one: CaseResult, level: float) -> Finding:
     return Finding(criterion.name, name, found.mean, half, verdict)
 
 
-def mean(measure: str, one: CaseResult) -> Sample | None:
+def mean(measure: str, case_result: CaseResult) -> Sample | None:
     """Return a measure of each draw, in its unit; None without a distance to compare with."""
-    score, each = one.score, one.score.each
+    score, each = case_result.score, case_result.score.each
     if measure == "over_ideal":
         return score.ratios
     if measure == "over_dry":
@@ -108,15 +108,15 @@ def mean(measure: str, one: CaseResult) -> Sample | None:
     values = {
         "in_band": lambda stop: stop.share_in_band,
         "air": litres,
-        "fillings": lambda stop: stop.air / one.dry.air,
+        "fillings": lambda stop: stop.air / case_result.dry.air,
         "sliding": lambda stop: max(stop.sliding) / 2e3,
     }[measure]
     return score.sample([values(stop) for stop in each])
 
 
-def extreme(measure: str, one: CaseResult) -> float:
+def extreme(measure: str, case_result: CaseResult) -> float:
     """Return a measure of the worst draw, in its unit."""
-    score = one.score
+    score = case_result.score
     if measure == "commands":
         return float(max(stop.commands for stop in score.each))
     of: Mapping[str, float] = {

@@ -105,7 +105,7 @@ def maker_in(file: Path, name: str, gains: str = "") -> tuple[str, Callable[[], 
         if not isinstance(call, ast.Call) or any(one.arg is None for one in call.keywords):
             raise ValueError
         values = [ast.literal_eval(one) for one in call.args]
-        named = {str(one.arg): ast.literal_eval(one.value) for one in call.keywords}
+        named = {str(keyword.arg): ast.literal_eval(keyword.value) for keyword in call.keywords}
     except (SyntaxError, ValueError):
         words = f"Gains must be numbers or texts, as in {file}:{name}(0.3, limit=2)"
         raise BadInputError(f"{words}; got {gains}.") from None

@@ -96,10 +96,10 @@ def across(samples: Sequence[Sample], of: Callable[[Numbers], Numbers]) -> Sampl
 
     Takes of (cases, draws).
     """
-    values = of(np.stack([one.values for one in samples]))
+    values = of(np.stack([sample.values for sample in samples]))
     return Sample(values, max(one.fitted for one in samples), max(one.widened for one in samples))
 
 
-def less(one: Sample, other: Sample) -> Sample:
+def less(sample: Sample, other: Sample) -> Sample:
     """Return the difference of two samples draw by draw."""
-    return Sample(one.values - other.values, max(one.fitted, other.fitted), max(one.widened, other.widened))
+    return Sample(sample.values - other.values, max(sample.fitted, other.fitted), max(sample.widened, other.widened))

@@ -135,7 +135,7 @@ def cases_of(chosen: argparse.Namespace) -> list[Case]:
 
 def settings_of(chosen: argparse.Namespace) -> Settings:
     """Return the settings that the command line requests. Raises BadInputError."""
-    given = {one.name: getattr(chosen, one.name) for one in fields(Settings) if hasattr(chosen, one.name)}
+    given = {field.name: getattr(chosen, field.name) for field in fields(Settings) if hasattr(chosen, field.name)}
     try:
         return Settings(**given)
     except ValueError as error:

@@ -49,14 +49,14 @@ def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[Sc
 
 def names_of(scores: Sequence[Scored]) -> list[str]:
     """Return the names of the cases, in their order."""
-    return list(dict.fromkeys(one.case for one in scores))
+    return list(dict.fromkeys(score.case for score in scores))
 
 
 def first_case(scores: Sequence[Scored]) -> str:
     """Return the case with the largest range of distances over the ideal; it is selected first."""
     ratios: dict[str, list[float]] = {name: [] for name in names_of(scores)}
-    for one in scores:
-        ratios[one.case] += [ratio for ratio in [one.over(one.ideal)] if ratio is not None]
+    for score in scores:
+        ratios[score.case] += [ratio for ratio in [score.over(score.ideal)] if ratio is not None]
     return max(ratios, key=lambda name: max(ratios[name], default=0.0) - min(ratios[name], default=0.0))
 
 
@@ -74,7 +74,7 @@ def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
 
     Their histories are one string: 16-bit differences of integers, deflated, in base64.
     """
-    histories, words = [thinned(one.history) for one in scores if one.history], scores[0].words
+    histories, words = [thinned(score.history) for score in scores if score.history], scores[0].words
     numbers = b"".join(columns_of(one, machine.parameters.wheel_radius) for one in histories)
     return {
         "wheelsets": len(machine.numbers),
@@ -107,7 +107,7 @@ def full_effort(machine: Machine, scores: Sequence[Scored]) -> float:
     """Return the pressure of the full brake [Pa]; of starts the largest recorded torque of a motor [N.m]."""
     if not scores[0].driven:
         return machine.full_pressure
-    return max(float(one.history.effort.max()) for one in scores if one.history)
+    return max(float(score.history.effort.max()) for score in scores if score.history)
 
 
 def thinned(history: History) -> History:

@@ -45,7 +45,7 @@ def draw(scores: Sequence[Scored]) -> Figure:
     places = {name: len(cases) - 1 - number for number, name in enumerate(cases)}
     for number, name in enumerate(names):
         aside = APART * ((len(names) - 1) / 2 - number)
-        own = {places[one.case] + aside: one for one in scores if one.controller == name}
+        own = {places[score.case] + aside: score for score in scores if score.controller == name}
         ratios = {place: ratio for place, one in own.items() if (ratio := one.over(one.ideal)) is not None}
         missed = [place for place, one in own.items() if one.stop.distance is None and one.stop.judged]
         line = Line2D([], [], linestyle="none", markersize=5.5, clip_on=False, zorder=3, in_layout=False)
@@ -69,7 +69,7 @@ def draw(scores: Sequence[Scored]) -> Figure:
 def near_ratios(scores: Sequence[Scored], name: str) -> list[float]:
     """Return a controller's distances over the ideal in the cases in which a wheel slides."""
     sliding = sliding_cases(scores)
-    own = [one.over(one.ideal) for one in scores if one.controller == name and one.case in sliding]
+    own = [score.over(score.ideal) for score in scores if score.controller == name and score.case in sliding]
     return [ratio for ratio in own if ratio is not None]
 
 
@@ -82,7 +82,7 @@ def count(ratios: Collection[float], cases: int) -> str:
 
 def set_axis(axis: Axes, scores: Sequence[Scored], cases: Sequence[str]) -> float:
     """Set the names of the cases, the band near the ideal and the edge, whose place is returned."""
-    ratios = [ratio for one in scores if (ratio := one.over(one.ideal)) is not None]
+    ratios = [ratio for score in scores if (ratio := score.over(score.ideal)) is not None]
     largest = max([NEAR, *ratios])
     if largest > WIDE:
         ticks = [tick for tick in (1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0) if tick < largest]

@@ -84,7 +84,7 @@ class Replayed:
 
     def _wheelset(self, valve: np.ndarray, as_in_log: float | None) -> dict[str, float | None]:
         told = np.flatnonzero(valve != APPLY)
-        shares = {WORDS[one]: float(np.mean(valve == one)) if valve.size else 0.0 for one in COMMANDS}
+        shares = {WORDS[command]: float(np.mean(valve == command)) if valve.size else 0.0 for command in COMMANDS}
         return shares | {
             "first_command": float(self.times[told[0]]) if told.size else None,
             "longest_vent": max((end - begin for begin, end in self.spans(valve, VENT)), default=0.0),
@@ -197,7 +197,7 @@ def replay(log: Recording, name: str, form: Given, period: float | None) -> Repl
     rows = log["time"][samples]
     times = rows if period is None else rows[0] + period * np.arange(int((rows[-1] - rows[0]) / period + SAME) + 1)
     last = np.searchsorted(rows, times + SAME * np.min(np.diff(rows)), "right") - 1
-    speeds = np.column_stack([log[one][samples] for one in speeds_of(count)])[last]
+    speeds = np.column_stack([log[speed][samples] for speed in speeds_of(count)])[last]
     controller = single(name, form, count, period or float(np.median(np.diff(rows))))
     valves, message = commands_of(Supervised(controller, count), times, speeds)
     same: list[float | None] = []
@@ -233,7 +233,7 @@ def lines(path: Path, found: Replayed, period: float | None) -> Iterator[str]:
     yield f"{path}: {span:.1f} s; {found.controller} is asked {found.times.size} times {at}, every {every}."
     yield "The wheels do not feel its commands: they turn as they did."
     yield ""
-    rows = [HEADS, UNITS, *(cells(number, one) for number, one in enumerate(found.wheelsets, 1))]
+    rows = [HEADS, UNITS, *(cells(number, wheelset) for number, wheelset in enumerate(found.wheelsets, 1))]
     yield from text_table(rows)
     if found.message:
         yield ""
@@ -282,7 +282,7 @@ def draw(found: Replayed) -> Figure:
 
 def message(found: Replayed) -> str:
     """Return the title of the figure."""
-    told = [one["first_command"] for one in found.wheelsets if one["first_command"] is not None]
+    told = [wheelset["first_command"] for wheelset in found.wheelsets if wheelset["first_command"] is not None]
     if not told:
         return f"{one_word(found.controller)} lets all brakes apply"
     vents = [one["vent"] or 0.0 for one in found.wheelsets]

@@ -54,25 +54,25 @@ def headline(name: str, found: Sequence[Finding], criteria: Sequence[Criterion])
     return f"{verdict}: {name} {does} {many}: {'; '.join(named[:MOST_NAMED])}{more}."
 
 
-def worse(one: Finding, other: Finding | None, criterion: Criterion | None) -> bool:
+def worse(finding: Finding, other: Finding | None, criterion: Criterion | None) -> bool:
     """Return whether a finding is worse than another of the same criterion."""
-    if other is None or one.value is None or other.value is None:
+    if other is None or finding.value is None or other.value is None:
         return other is None
-    return excess(one, criterion) > excess(other, criterion)
+    return excess(finding, criterion) > excess(other, criterion)
 
 
-def excess(one: Finding, criterion: Criterion | None) -> float:
+def excess(finding: Finding, criterion: Criterion | None) -> float:
     """Return by how much a value is beyond its limit; 0 without either."""
-    if criterion is None or one.value is None:
+    if criterion is None or finding.value is None:
         return 0.0
-    return (one.value - criterion.limit) * (1.0 if criterion.at_most else -1.0)
+    return (finding.value - criterion.limit) * (1.0 if criterion.at_most else -1.0)
 
 
-def described(one: Finding, criterion: Criterion | None) -> str:
+def described(finding: Finding, criterion: Criterion | None) -> str:
     """Return a finding in words: criterion, value with its limit, and case."""
-    if criterion is None or one.value is None:
-        return f"{one.criterion}: {one.reason.removesuffix('.')} (in the case {one.case})"
-    return f"{one.criterion} {amount(one, criterion)}, {limit_of(criterion)} (in the case {one.case})"
+    if criterion is None or finding.value is None:
+        return f"{finding.criterion}: {finding.reason.removesuffix('.')} (in the case {finding.case})"
+    return f"{finding.criterion} {amount(finding, criterion)}, {limit_of(criterion)} (in the case {finding.case})"
 
 
 def number(value: float) -> str:
@@ -80,17 +80,17 @@ def number(value: float) -> str:
     return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
 
 
-def amount(one: Finding, criterion: Criterion) -> str:
+def amount(finding: Finding, criterion: Criterion) -> str:
     """Return the value of a finding with half of its interval and its unit."""
-    if one.value is None:
-        return one.reason
-    half = f" ± {number_of_half(one)}" if one.half else ""
-    return f"{number(one.value)}{half}{'' if criterion.unit == '1' else f' {criterion.unit}'}"
+    if finding.value is None:
+        return finding.reason
+    half = f" ± {number_of_half(finding)}" if finding.half else ""
+    return f"{number(finding.value)}{half}{'' if criterion.unit == '1' else f' {criterion.unit}'}"
 
 
-def number_of_half(one: Finding) -> str:
+def number_of_half(finding: Finding) -> str:
     """Return half of an interval with two digits, 0 if it is below the digits of the value."""
-    return f"{one.half:.2g}" if one.half > NEGLIGIBLE * abs(one.value or 0.0) else "0"
+    return f"{finding.half:.2g}" if finding.half > NEGLIGIBLE * abs(finding.value or 0.0) else "0"
 
 
 def limit_of(criterion: Criterion | None) -> str:
@@ -138,11 +138,11 @@ def of_all(own: Sequence[Finding]) -> str:
     return FAILS if FAILS in verdicts else UNDECIDED if UNDECIDED in verdicts else PASSES
 
 
-def cells_of(one: Finding) -> tuple[str, str]:
+def cells_of(finding: Finding) -> tuple[str, str]:
     """Return the value and half of its interval as cells of a table."""
-    if one.value is None:
+    if finding.value is None:
         return "-", "-"
-    return number(one.value), f"±{number_of_half(one)}" if one.half else "-"
+    return number(finding.value), f"±{number_of_half(finding)}" if finding.half else "-"
 
 
 def failed_rows(found: Sequence[Finding], criteria: Sequence[Criterion]) -> list[tuple[str, ...]]:
@@ -150,8 +150,8 @@ def failed_rows(found: Sequence[Finding], criteria: Sequence[Criterion]) -> list
     limits, rows = {one.name: one for one in criteria}, list[tuple[str, ...]]()
     names = [STOPS, *limits]
 
-    def place(one: Finding) -> tuple[int, bool, float]:
-        return names.index(one.criterion), one.verdict != FAILS, -excess(one, limits.get(one.criterion))
+    def place(finding: Finding) -> tuple[int, bool, float]:
+        return names.index(finding.criterion), finding.verdict != FAILS, -excess(finding, limits.get(finding.criterion))
 
     for one in sorted(found, key=place):
         if one.verdict != PASSES and one.reason != NO_STOP:

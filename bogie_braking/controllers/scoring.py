@@ -118,7 +118,7 @@ class Scored:
 
     def sample(self, values: Sequence[float]) -> Sample:
         """Return a quantity of each draw, without the effect of its friction and load."""
-        factors = [(one.friction - 1.0, one.load - 1.0) for one in self.draws]
+        factors = [(draw.friction - 1.0, draw.load - 1.0) for draw in self.draws]
         return sample_of(values, factors or np.zeros(len(values)))
 
     @cached_property
@@ -173,12 +173,12 @@ def slid_cases(scores: Sequence[Scored]) -> set[str]:
 
     Driven, a wheelset spins.
     """
-    return {one.case for one in scores if one.stop.judged and one.stop.longest_lock > 0.0}
+    return {score.case for score in scores if score.stop.judged and score.stop.longest_lock > 0.0}
 
 
 def sliding_cases(scores: Sequence[Scored]) -> list[str]:
     """Return the cases that count in the median: those in which a wheel slides; all cases if no wheel slides."""
-    cases, slid = list(dict.fromkeys(one.case for one in scores)), slid_cases(scores)
+    cases, slid = list(dict.fromkeys(score.case for score in scores)), slid_cases(scores)
     return [case for case in cases if case in slid] or cases
 
 
@@ -195,7 +195,7 @@ def together(stops: Sequence[Stop]) -> Stop:
     first, count = stops[0], len(stops)
     if count == 1:
         return first
-    distances = [one.distance for one in stops if one.distance is not None]
+    distances = [stop.distance for stop in stops if stop.distance is not None]
     reservoirs = [one.lowest_reservoir for one in stops if one.lowest_reservoir is not None]
     messages = [f"{one.message} (draw {number} of {count})" for number, one in enumerate(stops, 1) if one.message]
     values: dict[str, Any] = {name: sum(getattr(one, name) for one in stops) / count for name in MEANS}

@@ -53,7 +53,7 @@ def drawn(scores: Sequence[Scored], plan: Plan, few: str = "") -> str:
 
     few: the controller because of which the number is limited to FEW.
     """
-    counts, spread = [len(one.stops) for one in scores], plan.spread
+    counts, spread = [len(score.stops) for score in scores], plan.spread
     count, least = max(counts), min(counts)
     varied = (
         f"friction ±{100 * spread.friction:g} %, load ±{100 * spread.load:g} %, teeth {spread.jitter:g} of the pitch"
@@ -70,10 +70,10 @@ def drawn(scores: Sequence[Scored], plan: Plan, few: str = "") -> str:
 def shortest(scores: Sequence[Scored]) -> dict[str, Scored]:
     """Return the score with the shortest mean distance in each case."""
     found: dict[str, Scored] = {}
-    for one in scores:
-        least = found.get(one.case)
-        if one.distance and (least is None or not least.distance or one.distance.mean < least.distance.mean):
-            found[one.case] = one
+    for score in scores:
+        least = found.get(score.case)
+        if score.distance and (least is None or not least.distance or score.distance.mean < least.distance.mean):
+            found[score.case] = score
     return found
 
 
@@ -82,16 +82,16 @@ def rows_of(scores: Sequence[Scored]) -> list[tuple[str, ...]]:
     least = shortest(scores)
     pairs = len({one.case for one in scores}) * math.comb(len({one.controller for one in scores}), 2)
     level = 1.0 - (1.0 - LEVEL) / (max(pairs, 1) * len(LOOKS))  # Bonferroni, as in `level_of`
-    return [cells(one, least.get(one.case), level) for one in scores]
+    return [cells(score, least.get(score.case), level) for score in scores]
 
 
-def longer_by(one: Scored, least: Scored | None, level: float) -> str:
+def longer_by(scored: Scored, least: Scored | None, level: float) -> str:
     """Return the paired difference to the shortest distance [%], or that both cannot be told apart."""
-    if least is None or one.distances is None or least.distances is None or least.distance is None:
+    if least is None or scored.distances is None or least.distances is None or least.distance is None:
         return "-"
-    if one is least:
+    if scored is least:
         return "shortest"
-    found = less(one.distances, least.distances).estimate(level).over(least.distance.mean)
+    found = less(scored.distances, least.distances).estimate(level).over(least.distance.mean)
     if found.mean == 0.0 and (found.count == 1 or found.half == 0.0):
         return "equal"
     if not found.differs and found.count > 1:
@@ -101,10 +101,10 @@ def longer_by(one: Scored, least: Scored | None, level: float) -> str:
 
 def messages(scores: Sequence[Scored]) -> list[str]:
     """Return the messages of the stops that have one."""
-    return [f"{one.controller}, {one.case}: {one.stop.message}" for one in scores if one.stop.message]
+    return [f"{score.controller}, {score.case}: {score.stop.message}" for score in scores if score.stop.message]
 
 
-def cells(one: Scored, least: Scored | None = None, level: float = LEVEL) -> tuple[str, ...]:
+def cells(scored: Scored, least: Scored | None = None, level: float = LEVEL) -> tuple[str, ...]:
     """Return a row of the table; of a stop without a verdict only that.
 
     least: the score with the shortest distance in the case; level: probability of the interval of the difference.
@@ -113,22 +113,22 @@ def cells(one: Scored, least: Scored | None = None, level: float = LEVEL) -> tup
     def number(value: float | None, form: str) -> str:
         return "-" if value is None else format(value, form)
 
-    stop = one.stop
+    stop = scored.stop
     if not stop.judged:
-        return one.case, one.controller, "not judged", *["-"] * (len(HEADS) - 3)
-    known = one.distance
-    distance = one.words.none if known is None else f"{known.mean:.1f}"
+        return scored.case, scored.controller, "not judged", *["-"] * (len(HEADS) - 3)
+    known = scored.distance
+    distance = scored.words.none if known is None else f"{known.mean:.1f}"
     width = "-" if known is None else half(known, 1.0, ".1f")
-    ratios = number(one.over(one.ideal), ".3f"), number(one.over(one.dry), ".3f")
+    ratios = number(scored.over(scored.ideal), ".3f"), number(scored.over(scored.dry), ".3f")
     band = "-" if stop.distance is None else f"{stop.share_in_band:.2f}"
-    rest = f"{stop.longest_lock:.2f}", band, f"{one.tread_energy / 1e3:.0f}"
-    air = f"{1e3 * one.flat:.0f}", f"{one.air:.0f}", f"{(stop.lowest_reservoir or 0.0) / 1e3:.0f}"
-    return one.case, one.controller, distance, width, longer_by(one, least, level), *ratios, *rest, *air
+    rest = f"{stop.longest_lock:.2f}", band, f"{scored.tread_energy / 1e3:.0f}"
+    air = f"{1e3 * scored.flat:.0f}", f"{scored.air:.0f}", f"{(stop.lowest_reservoir or 0.0) / 1e3:.0f}"
+    return scored.case, scored.controller, distance, width, longer_by(scored, least, level), *ratios, *rest, *air
 
 
-def half(one: Estimate, unit: float, form: str) -> str:
+def half(estimate: Estimate, unit: float, form: str) -> str:
     """Return half of the interval in a unit, as ±0.3; - with one draw."""
-    return f"±{format(one.half / unit, form)}" if math.isfinite(one.half) else "-"
+    return f"±{format(estimate.half / unit, form)}" if math.isfinite(estimate.half) else "-"
 
 
 def document(vehicle: str, settings: Settings, scores: Sequence[Scored], plan: Plan | None = None) -> dict[str, object]:
@@ -140,12 +140,17 @@ def document(vehicle: str, settings: Settings, scores: Sequence[Scored], plan: P
 def runs_document(scores: Sequence[Scored]) -> list[dict[str, object]]:
     """Return the stops for programs; SI units, air in litres."""
     return [
-        {"case": one.case, "controller": one.controller, **asdict(replace(one.stop, history=None))}
-        | {"distance": one.distance and one.distance.mean, "estimate": one.distance and asdict(one.distance)}
-        | {"distances": [of.distance for of in one.each]}
-        | {"over_ideal": one.over(one.ideal), "over_dry": one.over(one.dry), "ideal": one.ideal, "litres": one.air}
-        | {"tread_energy": one.tread_energy, "flat": one.flat}
-        for one in scores
+        {"case": score.case, "controller": score.controller, **asdict(replace(score.stop, history=None))}
+        | {"distance": score.distance and score.distance.mean, "estimate": score.distance and asdict(score.distance)}
+        | {"distances": [of.distance for of in score.each]}
+        | {
+            "over_ideal": score.over(score.ideal),
+            "over_dry": score.over(score.dry),
+            "ideal": score.ideal,
+            "litres": score.air,
+        }
+        | {"tread_energy": score.tread_energy, "flat": score.flat}
+        for score in scores
     ]
 
 

@@ -125,15 +125,15 @@ def level_of(controllers: int) -> float:
     return 1.0 - (1.0 - LEVEL) / (CRITERIA * max(math.comb(controllers, 2), 1) * len(LOOKS))
 
 
-def differs(one: Sample, least: Sample, level: float) -> bool:
+def differs(sample: Sample, least: Sample, level: float) -> bool:
     """Return whether two controllers are told apart: by more than ALIKE and, with two draws or more, by their draws."""
-    difference = less(one, least).estimate(level)
+    difference = less(sample, least).estimate(level)
     return abs(difference.mean) > ALIKE and (difference.differs or difference.count < 2)
 
 
-def settled(one: Sample, least: Sample, level: float) -> bool:
+def settled(sample: Sample, least: Sample, level: float) -> bool:
     """Return whether more draws change nothing: the interval of the difference lies on one side of ALIKE."""
-    difference = less(one, least).estimate(level)
+    difference = less(sample, least).estimate(level)
     return difference.half < abs(abs(difference.mean) - ALIKE)
 
 
@@ -160,7 +160,7 @@ def unsettled(scores: Sequence[Scored]) -> set[str]:
         samples = [sample for one in best if (sample := getattr(one, name)) is not None]
         least = min(samples, key=lambda sample: float(sample.values.mean()), default=None)
         if least is not None and not all(settled(one, least, level) for one in samples if one is not least):
-            return {one.case for one in scores}
+            return {score.case for score in scores}
     return set()
 
 
@@ -168,7 +168,7 @@ def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
     """Return one verdict for each controller, in their order."""
     names = dict.fromkeys(one.controller for one in scores)
     sliding, slid = sliding_cases(scores), slid_cases(scores)
-    without = {one.case: one for one in scores if one.controller == "none" and one.case not in slid}
+    without = {score.case: score for score in scores if score.controller == "none" and score.case not in slid}
     return [verdict(name, [one for one in scores if one.controller == name], sliding, without) for name in names]
 
 
@@ -286,9 +286,13 @@ def document(found: Sequence[Verdict]) -> dict[str, object]:
     return {"messages": messages(found), "controllers": [row(one) for one in found], "differences": apart}
 
 
-def interval(one: Estimate | None) -> dict[str, object] | None:
+def interval(estimate: Estimate | None) -> dict[str, object] | None:
     """Return an estimate for programs: mean, half of its interval, number of draws."""
-    return None if one is None else {"mean": one.mean, "half": one.half if one.count > 1 else None, "draws": one.count}
+    return (
+        None
+        if estimate is None
+        else {"mean": estimate.mean, "half": estimate.half if estimate.count > 1 else None, "draws": estimate.count}
+    )
 
 
 def best_given(found: Sequence[Verdict]) -> Verdict:

@@ -44,7 +44,7 @@ def page() -> str:
         "sensor": {"pulses": TEETH, "gate": GATE, "resolution": TIMER, "lowest_frequency": LOWEST_FREQUENCY},
         "period": PERIOD,
         "defaults": DEFAULTS,
-        "presets": [{"title": one.title, "link": one.link} for one in PRESETS.values()],
+        "presets": [{"title": preset.title, "link": preset.link} for preset in PRESETS.values()],
         "curves": {radius: {"cant": cant, "rows": rows_of(radius)} for radius, cant in CANTS.items()},
         "lineVariable": LINE.variable.name,
         "machines": {name: machine(name) for name in counting(MACHINES, "machines")},

@@ -39,8 +39,8 @@ def train_page() -> str:
     data = {
         "version": __version__,
         "module": packed(web_library(sources()).read_bytes()),
-        "inputs": [one.name for one in INPUTS],
-        "outputs": [one.name for one in OUTPUTS],
+        "inputs": [input_.name for input_ in INPUTS],
+        "outputs": [output.name for output in OUTPUTS],
         "presets": [{"title": title, "link": link} for title, link in PRESETS.items()],
         "consists": {name: packed(np.asarray(one, "<f8").tobytes()) for name, one in consists.items()},
     }

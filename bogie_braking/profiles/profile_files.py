@@ -26,7 +26,10 @@ def sides_from_files(options: Options) -> Sides:
     wheels = profiles("--wheel", options.wheel, tape_circles=options.tape_circle or [None], drop_outliers=drop)
     rails = profiles("--rail", options.rail, lean, options.gauge_side or [None], drop_outliers=drop)
     diameters = left_and_right("--diameter", options.diameter or [None])
-    radii = [None if one is None else within("--diameter", one, " mm", 200.0, 2000.0) / 2e3 for one in diameters]
+    radii = [
+        None if diameter is None else within("--diameter", diameter, " mm", 200.0, 2000.0) / 2e3
+        for diameter in diameters
+    ]
     track, backs = (
         None if one is None else within(option, one, " mm", 500.0, 2000.0) / 1e3
         for option, one in (("--gauge", options.gauge), ("--flange-back", options.flange_back))

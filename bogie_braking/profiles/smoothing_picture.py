@@ -32,7 +32,7 @@ def draw_smoothing(profiles: Sequence[Profile]) -> Figure:
         below.set_xlabel("y, to the field side [mm]")
         distances.append(np.abs(off))
     grid[1, 0].legend(loc="lower center")
-    most = 1e6 * max(float(np.max(one)) for one in distances)
+    most = 1e6 * max(float(np.max(distance)) for distance in distances)
     return titled(figure, f"Smoothing over {1e3 * SMOOTHING:g} mm moves points by up to {most:.{int(most < 10)}f} µm")
 
 

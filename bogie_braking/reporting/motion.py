@@ -125,7 +125,9 @@ def rows_of_line(line: Line, distance: np.ndarray) -> np.ndarray:
 def half_length(vehicle: Vehicle) -> float:
     """Return the distance from the middle to the end of the last box or wheel [m]."""
     boxes = [box(vehicle, body) for body in vehicle.bodies]
-    wheels = [abs(vehicle.number(one.along)) + vehicle.number(one.mean_radius) for one in vehicle.wheelsets]
+    wheels = [
+        abs(vehicle.number(wheelset.along)) + vehicle.number(wheelset.mean_radius) for wheelset in vehicle.wheelsets
+    ]
     return float(max(*wheels, *(np.abs(corners[:, 0]).max() for corners in boxes)))
 
 
@@ -134,7 +136,9 @@ def box(vehicle: Vehicle, body: RigidBody) -> np.ndarray:
     points.
     """
     centre = np.array([vehicle.number(size) for size in (body.along, 0.0, body.height)])
-    ends = [one.sides() for one in vehicle.connections if body.name in (one.upper, one.lower)]
+    ends = [
+        connection.sides() for connection in vehicle.connections if body.name in (connection.upper, connection.lower)
+    ]
     places = [place for sides in ends for _, place in sides]
     places += [pull.place for pull in vehicle.pulls if pull.body == body.name]
     points = np.array([centre, *([vehicle.number(size) for size in place] for place in places)])

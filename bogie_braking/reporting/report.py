@@ -153,9 +153,9 @@ class Measure(Generic[Found]):
 def rows_of(runs: Mapping[str, Found], *measures: Measure[Found]) -> list[Row]:
     """Return all measures of each run; the name of the run precedes the quantity."""
     return [
-        measured(f"{name}: {one.quantity}", one.unit, one.value(run), one.source, one.asked)
+        measured(f"{name}: {measure.quantity}", measure.unit, measure.value(run), measure.source, measure.asked)
         for name, run in runs.items()
-        for one in measures
+        for measure in measures
     ]
 
 

@@ -75,18 +75,18 @@ def results_in(out: Path) -> Results:
 
     Those that begin with a dot are still being written and are skipped.
     """
-    found = Results()
+    results = Results()
     for folder in sorted(path for path in out.glob("[!.]*") if path.is_dir()):
         try:
             one = read(folder)
         except (OSError, ValueError) as error:
-            found.skipped.append(f"{folder} is not shown: {str(error).removesuffix('.')}.")
+            results.skipped.append(f"{folder} is not shown: {str(error).removesuffix('.')}.")
             continue
         if isinstance(one, Run):
-            found.runs.append(one)
+            results.runs.append(one)
         else:
-            found.sweeps.append(one)
-    return found
+            results.sweeps.append(one)
+    return results
 
 
 def read(folder: Path) -> Run | Sweep:

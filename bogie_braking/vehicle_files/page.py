@@ -52,7 +52,7 @@ def tables_of(check: Check) -> list[Table]:
         title = "Stopping distance [m], full brake without wheel-slide protection, rails with their friction at rest"
         found.append((title, ("km/h", *rails), rows))
     if check.modes is not None:
-        shown = [one for one in check.modes if one.damping_ratio < OVERDAMPED]
+        shown = [mode for mode in check.modes if mode.damping_ratio < OVERDAMPED]
         rows = [(f"{one.frequency:.2f}", f"{100 * one.damping_ratio:.0f} %", motion_of(one, sheet)) for one in shown]
         found.append((f"Natural modes at 36 km/h, up to {HIGHEST:g} Hz", ("Hz", "damping", "motion"), rows))
     if check.hunting is not None:

@@ -51,7 +51,7 @@ def side_view(axis: Axes, check: Check) -> None:
     sheet, p = check.sheet, check.sheet.parameters
     radius = p.wheel_radius
     vehicle = sheet.vehicle
-    places = [vehicle.number(one.along) for one in vehicle.wheelsets]
+    places = [vehicle.number(wheelset.along) for wheelset in vehicle.wheelsets]
     length = p.coupler_distance if isinstance(p, VehicleParameters) else 1.4 * p.wheel_base
     length = max(length, 2 * max(places) + 2 * radius)
     floor = 2 * radius + 0.15
@@ -90,7 +90,7 @@ def modes(axis: Axes, check: Check) -> None:
     if check.modes is None:
         empty(axis, "Modes were not computed.")
         return
-    shown = [one for one in check.modes if one.damping_ratio < OVERDAMPED]
+    shown = [mode for mode in check.modes if mode.damping_ratio < OVERDAMPED]
     axis.stem([one.frequency for one in shown], [one.damping_ratio for one in shown], linefmt=LEADING, basefmt=" ")
     axis.set_xscale("log")
     axis.set_xticks((0.5, 1, 2, 5, 10, 20, 50), labels=("0.5", "1", "2", "5", "10", "20", "50"))

@@ -132,7 +132,7 @@ def _check_finite(bench: Bench) -> None:
 
 
 def _pressures(states: Array) -> str:
-    return f"{', '.join(f'{one:.6g}' for one in states)} Pa"
+    return f"{', '.join(f'{state:.6g}' for state in states)} Pa"
 
 
 def _check_directions(bench: Bench) -> None:

@@ -198,7 +198,7 @@ class Distributor:
             ) from error
         names = [name for name, _ in self.states]
         rates = getattr(answer, "rates", {})
-        lacking, more = [one for one in names if one not in rates], [one for one in rates if one not in names]
+        lacking, more = [one for one in names if one not in rates], [rate for rate in rates if rate not in names]
         if lacking or more:
             wrong = [f"it lacks {', '.join(lacking)}"] * bool(lacking) + [f"it has {', '.join(more)} too"] * bool(more)
             raise ValueError(
@@ -209,7 +209,7 @@ class Distributor:
         for name, one in numbers.items():
             if not (isinstance(one, (int, float)) or (isinstance(one, (ca.SX, ca.DM)) and one.is_scalar())):
                 raise ValueError(f"{whose} must return a number or a symbol for {name}; got {one!r}. Correct it.")
-        return [ca.SX(one) for one in numbers.values()]
+        return [ca.SX(number) for number in numbers.values()]
 
 
 class _AbsentError(ValueError):

@@ -66,7 +66,8 @@ def fill_time(p: EcpValve) -> float:
 
     def per_pascal(supplies: list[float], over: float) -> tuple[list[float], float]:
         served = [
-            choke**2 * flow_of_a_metre(one, over + AMBIENT) for one, (_, choke) in zip(supplies, feeds, strict=True)
+            choke**2 * flow_of_a_metre(supply, over + AMBIENT)
+            for supply, (_, choke) in zip(supplies, feeds, strict=True)
         ]
         charged = [p.charging_choke**2 * flow_of_a_metre(line, one) for one in supplies]
         pace = p.cylinder_volume / (GAS_CONSTANT * WALL * sum(served))

@@ -70,15 +70,15 @@ def _check_parameters(kind: Distributor) -> None:
             f"Parameters of the distributor {kind.name} must be a DistributorParameters; got "
             f"{kind.parameters.__name__}. Derive them from it."
         )
-    for one in fields(kind.parameters):
-        if one.name in COMMANDED:
+    for field in fields(kind.parameters):
+        if field.name in COMMANDED:
             raise ValueError(
                 f"Parameters of the distributor {kind.name} must not be called {', '.join(COMMANDED)}, which are "
-                f"commands; got {one.name}. Rename it."
+                f"commands; got {field.name}. Rename it."
             )
-        if "minimum" not in one.metadata:
+        if "minimum" not in field.metadata:
             raise ValueError(
-                f"{one.name} of the distributor {kind.name} must have a unit and limits. Write {one.name}: float = "
+                f"{field.name} of the distributor {kind.name} must have a unit and limits. Write {field.name}: float = "
                 'quantity("Pa", "What it is", 0.0).'
             )
 

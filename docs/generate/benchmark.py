@@ -34,7 +34,7 @@ def collect(source: Path, with_ranges: Path) -> None:
             counts[0] += one["lower"] <= one["published"] <= one["upper"]
             counts[1] += 1
     scores = [{name: shortened(one[name]) for name in ENTRIES} for one in read["scores"] if one["worst"] is not None]
-    lines = ",\n".join(json.dumps(one) for one in scores)
+    lines = ",\n".join(json.dumps(score) for score in scores)
     programs = json.dumps(read["programs"])
     head = f'{{"programs": {programs},\n"ranges": {json.dumps(ranges)},\n"scores": ['
     KEPT.write_text(f"{head}\n{lines}\n]}}\n", encoding="utf-8")

@@ -82,20 +82,20 @@ def kept() -> dict[str, dict[str, float]]:
 def collect() -> None:
     """Store the rows that pages cite of scenarios that have results, and figures and summaries of CHARTS."""
     rows, found = kept(), dict[str, dict[str, float]]()
-    for one in marks():
-        folder = ROOT / "results" / one.source
-        if one.of_a_test or (one.source not in CHARTS and one.source in found):
+    for mark in marks():
+        folder = ROOT / "results" / mark.source
+        if mark.of_a_test or (mark.source not in CHARTS and mark.source in found):
             continue
         summary = json.loads((folder / "summary.json").read_text("utf-8")) if folder.exists() else None
-        if one.source in CHARTS and summary:
-            shutil.copyfile(folder / "figure.png", DOCS / "pictures" / f"{one.source}.png")
+        if mark.source in CHARTS and summary:
+            shutil.copyfile(folder / "figure.png", DOCS / "pictures" / f"{mark.source}.png")
             names = ("scenario", "rows", "pictures", "remarks", "versions", "wall_seconds")
             text = json.dumps({name: summary[name] for name in names}, indent=1)
-            (DATA / f"{one.source}.json").write_text(text + "\n", encoding="utf-8")
-        elif one.source not in CHARTS:
-            cited = sorted({other.name for other in marks() if other.source == one.source})
-            now = {row["quantity"]: row["simulated"] for row in summary["rows"]} if summary else rows[one.source]
-            found[one.source] = {name: now[name] for name in cited}
+            (DATA / f"{mark.source}.json").write_text(text + "\n", encoding="utf-8")
+        elif mark.source not in CHARTS:
+            cited = sorted({other.name for other in marks() if other.source == mark.source})
+            now = {row["quantity"]: row["simulated"] for row in summary["rows"]} if summary else rows[mark.source]
+            found[mark.source] = {name: now[name] for name in cited}
     KEPT.write_text(json.dumps(dict(sorted(found.items())), indent=1) + "\n", encoding="utf-8")
 
 
@@ -127,11 +127,11 @@ def moved(scenario: str, rows: Iterable[Mapping[str, Any]]) -> list[str]:
     """
     then, now = kept().get(scenario, {}), {row["quantity"]: row["simulated"] for row in rows}
     return [
-        f"{scenario}: {one.name} was {then[one.name]:{one.form}}, and is {now[one.name]:{one.form}} now. "
+        f"{scenario}: {mark.name} was {then[mark.name]:{mark.form}}, and is {now[mark.name]:{mark.form}} now. "
         "Run docs/generate/numbers_of_pages.py --collect."
-        for one in sorted(set(marks()))
-        if one.source == scenario and one.name in now and one.name in then
-        if abs(now[one.name] - then[one.name]) > half_a_unit(one, then[one.name])
+        for mark in sorted(set(marks()))
+        if mark.source == scenario and mark.name in now and mark.name in then
+        if abs(now[mark.name] - then[mark.name]) > half_a_unit(mark, then[mark.name])
     ]
 
 

@@ -88,7 +88,7 @@ def row(one: Mapping[str, Any], heads: Sequence[str]) -> list[str]:
 
 
 def main() -> int:
-    missing = [one.name for one in SCENARIOS if summary_of(one.name) is None]
+    missing = [scenario.name for scenario in SCENARIOS if summary_of(scenario.name) is None]
     for name in (progress := counting(missing, unit="scenario")):
         progress.set_postfix_str(name)
         command = [sys.executable, "-m", "bogie_braking", "run", name]

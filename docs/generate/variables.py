@@ -57,8 +57,8 @@ def arrays(given: ArraysInC) -> str:
         return f"{value:g}" if math.isfinite(value) else ""
 
     rows = [
-        (f"`{one.name}`", one.causality, one.unit, limit(one.minimum), limit(one.maximum), one.description)
-        for one in given.arrays
+        (f"`{array.name}`", array.causality, array.unit, limit(array.minimum), limit(array.maximum), array.description)
+        for array in given.arrays
     ]
     heads = ("name", "causality", "unit", "min", "max", "meaning")
     return f"## {given.name}\n\n{given.description}.\n\n{table(heads, rows)}\n"
@@ -77,18 +77,18 @@ def numbers_of_a_train() -> str:
     """Return the rows of train.bin; numbered ones are one row."""
     rows: dict[str, Sequence[str]] = {}
     for group in layout():
-        for one in group.fields:
-            name, most = re.sub(r"_\d+$", "_n", one.name), f"{one.most:g}"
-            if one.counts:
-                most = f"{one.counts} {one.most:+g}" if one.most else one.counts
+        for field in group.fields:
+            name, most = re.sub(r"_\d+$", "_n", field.name), f"{field.most:g}"
+            if field.counts:
+                most = f"{field.counts} {field.most:+g}" if field.most else field.counts
             rows[f"{group.name} {name}"] = (
                 group.name,
                 group.of,
                 f"`{name}`",
-                one.unit,
-                f"{one.least:g}",
+                field.unit,
+                f"{field.least:g}",
                 most,
-                one.text,
+                field.text,
             )
     return NUMBERS + table(("group", "one for each of", "name", "unit", "from", "to", "what"), rows.values()) + "\n"
 

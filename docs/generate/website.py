@@ -62,7 +62,7 @@ WORDS = {
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Add scenarios and public names to the navigation, which is empty there in mkdocs.yml."""
     rooms = [
-        {room: [f"scenarios/{one.name}.md" for module in files for one in catalogue.scenarios_of(module)]}
+        {room: [f"scenarios/{scenario.name}.md" for module in files for scenario in catalogue.scenarios_of(module)]}
         for room, files in catalogue.modules().items()
     ]
     config.nav = completed(config.nav or [], {"Scenarios": ["scenarios.md", *rooms], "API": list(api_pages())})
@@ -85,9 +85,9 @@ def contents() -> Iterator[tuple[str, str | Path]]:
     yield from ((path.relative_to(ROOT).as_posix(), path) for path in ROOT.glob("products/pictures/*.png"))
     yield from ((f"downloads/{path.name}", path) for path in downloads.files())
     for module in chain.from_iterable(catalogue.modules().values()):
-        for one in catalogue.scenarios_of(module):
-            yield f"scenarios/{one.name}.md", scenario_page(one, module)
-            yield from ((f"scenarios/{name}", path) for name, path in pictures_of(one.name).items())
+        for scenario in catalogue.scenarios_of(module):
+            yield f"scenarios/{scenario.name}.md", scenario_page(scenario, module)
+            yield from ((f"scenarios/{name}", path) for name, path in pictures_of(scenario.name).items())
     yield from api_pages().items()
     for path in sorted(DOCS.glob("notebooks/*.ipynb")):
         yield f"notebooks/{path.stem}.md", run_notebook(path)

@@ -74,7 +74,7 @@ def answer(question: str, inputs: Mapping[str, Any]) -> dict[str, float] | None:
 def stop_of_axles(inputs: Mapping[str, Any]) -> dict[str, float]:
     """Return distance [m] and brake force [N] of a stop; the rise is twice the mean build-up time of the axles."""
     axles = [axle_of(kind, inputs) for kind in inputs["axles"]]
-    mass, rotating, force = (sum(one[name] for one in axles) for name in ("mass", "rotating", "force"))
+    mass, rotating, force = (sum(axle[name] for axle in axles) for name in ("mass", "rotating", "force"))
     late = sum(one["force"] * (one["delay"] + one["rise"] / 2) for one in axles) / force
     distance, _, largest = stop(Train(mass, rotating, resistance_of(inputs), force, 2 * late), inputs["speed"])
     return {"distance": distance, "brake_force": largest}
@@ -116,13 +116,13 @@ def coasting(inputs: Mapping[str, Any]) -> dict[str, float]:
     history = run.to_pydict()["history"]
     names = ("speed_meters_per_second", "time_seconds", "offset_meters")
     speeds, *others = (history[name] for name in names)
-    last = next((number for number, one in enumerate(speeds) if one <= inputs["end_speed"]), len(speeds) - 1)
+    last = next((number for number, speed in enumerate(speeds) if speed <= inputs["end_speed"]), len(speeds) - 1)
     if speeds[last] > inputs["end_speed"] + SLOWEST:
         raise ValueError(
             f"the train does not slow down to {inputs['end_speed']:g} m/s; it still has {speeds[-1]:g} m/s"
         )
     share = (speeds[last - 1] - inputs["end_speed"]) / (speeds[last - 1] - speeds[last])
-    time, place = (one[last - 1] + share * (one[last] - one[last - 1]) for one in others)
+    time, place = (other[last - 1] + share * (other[last] - other[last - 1]) for other in others)
     return {"distance": place - LENGTH, "time": time}
 
 
@@ -147,7 +147,7 @@ def stop(train: Train, speed: float) -> tuple[float, float, float]:
     The train starts two steps before the place where ALTRIOS brakes, as its locomotive has no power.
     """
     points = simulation(train, speed, LENGTH, ABOVE * speed).to_pydict()["braking_points"]["points"]
-    to_rest = [one for one in points if one["speed_target_meters_per_second"] == 0.0]
+    to_rest = [point for point in points if point["speed_target_meters_per_second"] == 0.0]
     brakes = max(one["offset_meters"] for one in to_rest if one["speed_limit_meters_per_second"] >= speed)
     run = simulation(train, speed, brakes - speed * (EARLIER * train.ramp + 2 * STEP), ABOVE * speed)
     try:
@@ -160,7 +160,7 @@ def stop(train: Train, speed: float) -> tuple[float, float, float]:
     places, times, speeds = (found["history"][name] for name in names)
     if speeds[-1] > 0.0:
         raise ValueError(f"the train passed the end of its path at {speeds[-1]:g} m/s")
-    first = next(number for number, one in enumerate(forces) if one > 0.0)
+    first = next(number for number, force in enumerate(forces) if force > 0.0)
     return places[-1] - places[first - 1], times[-1] - times[first - 1], max(forces)
 
 

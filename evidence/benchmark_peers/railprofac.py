@@ -30,7 +30,7 @@ def version() -> str:
     if find_spec("pandas") is None:
         raise ImportError("install what it needs by pip install pandas")
     files = [folder() / name for name in (MEAN_VALUES, SHUNTING)]
-    missing = [str(one) for one in files if not one.is_file()]
+    missing = [str(file) for file in files if not file.is_file()]
     if missing:
         raise ImportError(f"{missing[0]} does not exist. Clone the repository, and set {PLACE} to the folder above it.")
     return ", ".join(hashlib.sha256(one.read_bytes()).hexdigest()[:8] for one in files)

@@ -78,7 +78,9 @@ def run(options: Options, quick: bool = False) -> Report:
     found = ensembles.study(extent)
     rows = [row for level in ensembles.LEVELS for row in level_rows(found, level)]
     remarks = [
-        f"{one.level}, {one.way} at {one.setting:g}: {one.reason.rstrip('.')}." for one in found.rates if one.reason
+        f"{rate.level}, {rate.way} at {rate.setting:g}: {rate.reason.rstrip('.')}."
+        for rate in found.rates
+        if rate.reason
     ]
     if not sundials.is_installed():
         remarks.insert(0, "CVODE is missing: install the extra 'charts' with Python 3.11 or later.")
@@ -111,7 +113,7 @@ def draw_level(axis: Axes, found: EnsembleStudy, level: str, handles: dict[str, 
     axis.axhline(WANTED, color="#999999", linewidth=0.8)
     for way, (colour, marker, dashes) in STYLE.items():
         points = found.of(level, way)
-        good = [one for one in points if one.error is not None]
+        good = [point for point in points if point.error is not None]
         mine = way.startswith((ALONE, BATCH))
         if not points:
             continue

@@ -124,7 +124,7 @@ class TrainStudy:
 
 def _joined(points: list[TrainPoint]) -> TrainPoint:
     """Return the larger errors of several trains, and the cost of all."""
-    reason = next((one.reason for one in points if one.reason), "")
+    reason = next((point.reason for point in points if point.reason), "")
     force, distance = max(one.force for one in points), max(one.distance for one in points)
     if reason:
         force = distance = math.nan
@@ -160,9 +160,9 @@ def _along(
     return found
 
 
-def _point(one: CouplerRun, reference: CouplerRun, costs: Costs) -> TrainPoint:
-    force, distance = one.compression / reference.compression - 1, one.distance / reference.distance - 1
-    return TrainPoint(abs(force), abs(distance), costs.of(one), one.reason)
+def _point(coupler_run: CouplerRun, reference: CouplerRun, costs: Costs) -> TrainPoint:
+    force, distance = coupler_run.compression / reference.compression - 1, coupler_run.distance / reference.distance - 1
+    return TrainPoint(abs(force), abs(distance), costs.of(coupler_run), coupler_run.reason)
 
 
 def run(options: Options, quick: bool = False) -> Report:
@@ -280,7 +280,7 @@ def draw(found: TrainStudy) -> Figure:
     colours = dict(zip(METHODS, (FOUR[0], FOUR[3], FOUR[1], FOUR[2], THESIS, GREY), strict=True))
     for method in METHODS:
         points = [one for one in found.both(method).values() if not one.reason]
-        at = [[100 * one.force for one in points], [1e3 * one.cost for one in points]]
+        at = [[100 * point.force for point in points], [1e3 * one.cost for one in points]]
         width = 3.0 if method == EXPLICIT else 1.3
         axis.loglog(*at, STYLES[method], color=colours[method], markersize=5, linewidth=width, label=method)
     axis.axvline(100 * FORCE, color=GREY, linewidth=0.8)

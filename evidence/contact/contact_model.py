@@ -176,7 +176,9 @@ class AboutDefault:
 
 def errors_about_default(depth: int, tolerances: Sequence[float]) -> AboutDefault:
     """Return the errors at tolerances about the default: they scatter with the instants at which steps end."""
-    found = {one: accuracy(depth, own(scene(depth), tolerance=one), reference(depth)) for one in tolerances}
+    found = {
+        tolerance: accuracy(depth, own(scene(depth), tolerance=tolerance), reference(depth)) for tolerance in tolerances
+    }
     return AboutDefault(*([getattr(of, kind) / one for one, of in found.items()] for kind in ("norm", "single")))
 
 

@@ -121,16 +121,16 @@ def protected_rows(quick: bool = False) -> list[Row]:
 
 def steps_a_second(rows: int, turns: int, repeats: int) -> float:
     """Return the largest of several rates [1/s], with observations, rewards and an array controller in NumPy."""
-    own = Environment(bogie(), Settings(), rows, drawn_run)
-    own.begin(range(rows), [np.random.default_rng(row) for row in range(rows)])
+    environment = Environment(bogie(), Settings(), rows, drawn_run)
+    environment.begin(range(rows), [np.random.default_rng(row) for row in range(rows)])
 
     def turns_of_all() -> None:
         for _ in range(turns):
-            speeds = own.observation[:, :2]
-            own.turn(np.where(speeds < SHARE * speeds.max(axis=1, keepdims=True), 2, 0))
+            speeds = environment.observation[:, :2]
+            environment.turn(np.where(speeds < SHARE * speeds.max(axis=1, keepdims=True), 2, 0))
 
     seconds = least(turns_of_all, repeats)
-    own.close()
+    environment.close()
     return rows * turns / seconds
 
 

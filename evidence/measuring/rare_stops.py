@@ -85,7 +85,7 @@ def picture(data: dict[str, Any]) -> Figure:
     counts = {int(limit): count for limit, count in data["counts"].items() if 0 < count < RUNS}
     ends = [binomtest(count, RUNS).proportion_ci() for count in counts.values()]
     shares = np.array(list(counts.values())) / RUNS
-    off = np.abs(np.array([[one.low, one.high] for one in ends]).T - shares)
+    off = np.abs(np.array([[end.low, end.high] for end in ends]).T - shares)
     label = f"plain, {RUNS:_} runs, 95 %".replace("_", " ")
     axis.errorbar(list(counts), shares, off, fmt=".", color=plots.TRAILING, elinewidth=1.0, label=label)
     axis.set(xlim=(250, FAR + 20), ylim=(1e-8, 2.0))

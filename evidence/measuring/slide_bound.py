@@ -146,7 +146,7 @@ def picture(data: dict[str, Any]) -> Figure:
     figure, axis = plots.single(title, "stopping distance over the ideal [1]", "")
     spread = np.random.default_rng(0)
     for place, who in enumerate(NAMES):
-        found = np.array([one for one in ratios(all_rows, who) if np.isfinite(one)])
+        found = np.array([ratio for ratio in ratios(all_rows, who) if np.isfinite(ratio)])
         axis.plot(found, place + spread.uniform(-0.25, 0.25, found.size), ".", color=plots.TRAILING, alpha=0.5)
         axis.plot([medians[who]] * 2, [place - 0.35, place + 0.35], color=plots.LEADING)
     axis.set(xscale="log", yticks=range(len(NAMES)), yticklabels=[WORDS.get(who, who) for who in NAMES])

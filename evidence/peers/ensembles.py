@@ -94,7 +94,7 @@ class EnsembleStudy:
 
     def of(self, level: str, way: str) -> list[Rate]:
         """Return the rates of a method, the loosest setting first."""
-        found = (one for one in self.rates if (one.level, one.way) == (level, way))
+        found = (rate for rate in self.rates if (rate.level, rate.way) == (level, way))
         return sorted(found, key=lambda one: -one.setting)
 
     def fastest(self, level: str, ways: Sequence[str], error: float) -> Rate | None:
@@ -103,8 +103,8 @@ class EnsembleStudy:
         return max((one for one in every if one.error is not None and one.error <= error), key=_stops, default=None)
 
 
-def _stops(one: Rate) -> float:
-    return one.stops
+def _stops(rate: Rate) -> float:
+    return rate.stops
 
 
 def distance(samples: Samples) -> dict[str, float]:
@@ -266,7 +266,7 @@ def references(level: str, torques: np.ndarray) -> tuple[np.ndarray, float]:
 def study(extent: Extent) -> EnsembleStudy:
     """Return all rates, with a progress bar."""
     workers = os.cpu_count() or 1
-    found = EnsembleStudy([], {}, {})
+    ensemble_study = EnsembleStudy([], {}, {})
     per_level = 2 * len(list(settings(extent))) + len(IN_PROCESSES) * len(extent.coarse)
     per_level += len(extent.tolerances) if sundials.is_installed() else 0
     warm_up(0)
@@ -276,12 +276,12 @@ def study(extent: Extent) -> EnsembleStudy:
         threads = held.enter_context(ThreadPoolExecutor(workers))
         list(pool.map(warm_up, range(workers)))
         for level in LEVELS:
-            exact, found.uncertainty[level] = references(level, extent.torques)
+            exact, ensemble_study.uncertainty[level] = references(level, extent.torques)
             for rate, apart in ours(level, exact, extent):
-                found.rates.append(rate)
-                found.apart[level] = max(found.apart.get(level, 0.0), apart)
+                ensemble_study.rates.append(rate)
+                ensemble_study.apart[level] = max(ensemble_study.apart.get(level, 0.0), apart)
                 bar.update()
             for rate in others(level, exact, pool, threads, workers, extent):
-                found.rates.append(rate)
+                ensemble_study.rates.append(rate)
                 bar.update()
-    return found
+    return ensemble_study

@@ -120,7 +120,7 @@ class BrakedTrain:
         self._couplers = np.repeat(self._constants[:, None], self.vehicles - 1, axis=1).copy()
         self._mass = self._motion[0] + self._motion[1]
         self._resistance = self._motion[5:8].copy()
-        masses = [one.mass for one in consist.vehicles]
+        masses = [vehicle.mass for vehicle in consist.vehicles]
         #: Longest stable step of the couplers [s].
         self.bound = 2.0 / fastest([self.coupler] * (self.vehicles - 1), masses)
 
@@ -273,7 +273,7 @@ def braked_train(load: float, wagons: int = WAGONS, long: float = LONG, coupler:
     Takes load [kg], long [s].
     """
     own = coupler or draft_gear()
-    vehicles = [replace(one, coupler=own) for one in block_train(wagons, load=load).vehicles]
+    vehicles = [replace(vehicle, coupler=own) for vehicle in block_train(wagons, load=load).vehicles]
     return BrakedTrain(Consist(tuple(vehicles)), long)
 
 

@@ -94,7 +94,7 @@ def point_train(
         train.advance(INTERVAL)
     pressure = np.array(rows)
     force = np.zeros((len(rows), len(SPEEDS)))
-    for brake in {one.brake for one in consist.vehicles if one.kind != without}:
+    for brake in {vehicle.brake for vehicle in consist.vehicles if vehicle.kind != without}:
         own = [one.kind != without and one.brake == brake for one in consist.vehicles]
         pressures, speeds = (one.ravel() for one in np.meshgrid(PRESSURES, SPEEDS, indexing="ij"))
         grid = forces_of(brake, pressures, speeds).reshape(PRESSURES.size, SPEEDS.size)

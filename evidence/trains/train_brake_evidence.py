@@ -99,13 +99,17 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, series(found), lambda: draw(found), parameters, 0.0, said(found, forms))
 
 
-def rows_of_train(name: str, one: TrainErrors) -> list[Row]:
+def rows_of_train(name: str, train_errors: TrainErrors) -> list[Row]:
     """Return rms and largest errors of a train up to STEEPEST, and of all its stops."""
     part = "reporting" if name in REPORTING else "choosing"
     rows, bound, kept = [], None, flat(name)
-    for words, values in (("emergency", one.before), ("full service", one.service), ("chosen", one.after)):
+    for words, values in (
+        ("emergency", train_errors.before),
+        ("full service", train_errors.service),
+        ("chosen", train_errors.after),
+    ):
         if words == "chosen" and name in REPORTING:
-            bound = at_most(100 * HALF * rms(one.service[kept]))
+            bound = at_most(100 * HALF * rms(train_errors.service[kept]))
         source, many = f"ARTC ESD-05-03, {part} train", f"{np.isnan(values).sum()} stops do not end"
         rows.append(measured(f"{name}, {words}: rms error up to 1:60", "%", 100 * rms(values[kept]), source, bound))
         largest = 100 * float(np.nanmax(np.abs(values[kept])))

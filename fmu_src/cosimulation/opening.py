@@ -77,12 +77,12 @@ def fault_of_description(about: ModelDescription) -> str:
         return "is for model exchange only; export it for co-simulation"
     if not IDENTIFIER.fullmatch(about.coSimulation.modelIdentifier or ""):
         return f"is not a valid FMU: its modelIdentifier {about.coSimulation.modelIdentifier!r} is not a name in C"
-    for one in about.modelVariables:
+    for modelvariable in about.modelVariables:
         count = 1
-        for size in one.shape:
+        for size in modelvariable.shape:
             count *= size
         if not 0 <= count <= MOST_VALUES:
-            return f"is not a valid FMU: {one.name} has {count} values; at most {MOST_VALUES} are read"
+            return f"is not a valid FMU: {modelvariable.name} has {count} values; at most {MOST_VALUES} are read"
     return ""
 
 

@@ -51,7 +51,7 @@ def osrd_train_of(read: Any, source: str) -> SupervisedTrain | None:
     steps: dict[str, Any] = {}
     for name, of in CURVES.items():
         try:
-            steps[of] = Steps(*(np.array(one) for one in curves[name]))
+            steps[of] = Steps(*(np.array(curve) for curve in curves[name]))
         except BadInputError as error:
             raise FileError(f"{source}, {name}: {error}") from None
     length = number_in(read, "length", source, 1.0, 4095.0)

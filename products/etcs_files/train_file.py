@@ -246,7 +246,7 @@ def _steps_in(given: Any, unit: str, what: str) -> Steps:
     arrays = []
     for name, of in (("boundaries", "m/s"), ("values", unit)):
         values, (up, down) = _quantity(given[name], of, f"{what}, {name}")
-        if not isinstance(values, list) or not all(is_number(one) for one in values):
+        if not isinstance(values, list) or not all(is_number(value) for value in values):
             raise FileError(f"{what}, {name} must be a list of numbers; got {shown(values)}.")
         arrays.append(np.array(values, dtype=float) * up / down)
     try:

@@ -49,7 +49,7 @@ def own_values(machine: Machine, level: int = 2, on_line: bool = False) -> Mappi
     """Return the start values that a vehicle file changes in the compiled equations [SI]; empty without one."""
     if not machine.own:
         return {}
-    built_in = {one.name: one.start for one in machine_model(machine.built_in, level, on_line).variables}
+    built_in = {variable.name: variable.start for variable in machine_model(machine.built_in, level, on_line).variables}
     own = {one.name: one.start for one in machine_model(machine, level, on_line).variables}
     changed = {name: value for name, value in own.items() if value != built_in[name]}
     return changed | dict(machine.own.resistance)

@@ -76,7 +76,7 @@ class Environment:
         most = [*n * [TOO_FAST * FASTEST], *n * [float(VENT)], LONGEST]
         least = [*n * [0.0], *n * [float(APPLY)], 0.0]
         if self._privileged:
-            of = {one.name: one for one in self._rig.model.variables}
+            of = {variable.name: variable for variable in self._rig.model.variables}
             most += [FASTEST, FASTEST * LONGEST, *n * [1.0], *(of[name].maximum for name in self._names)]
             least += [0.0, 0.0, *n * [-1.0], *(of[name].minimum for name in self._names)]
         return np.array([least, most])

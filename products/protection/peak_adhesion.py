@@ -62,7 +62,7 @@ class PeakAdhesion:
         self.states = list(model.systems[0].states)
         self.place = np.array(self.kernel.linearise().state)
         self.sanded_from, self._peak = 0.0, 0
-        self.values = {one.name: one.start for one in model.variables} | {**own, **rail}
+        self.values = {variable.name: variable.start for variable in model.variables} | {**own, **rail}
 
     def held_back(self, distance: float, speed: float) -> float:
         """Return the deceleration by gradient, curve and running resistance (Davis) at a place and a speed [m/s2]."""

@@ -71,10 +71,10 @@ class Case:
         """Return the stop of a vehicle. Raises ValueError for a fault of an unknown wheelset."""
         wheelsets, body = len(machine.numbers), f"{machine.counted}_mass"
         mass = {} if self.load == 1.0 else {body: self.load * machine.parameters.values()[body]}
-        for one in self.faults:
-            if one.wheelset > wheelsets:
+        for fault in self.faults:
+            if fault.wheelset > wheelsets:
                 raise ValueError(
-                    f"The case {self.name} has a fault of wheelset {one.wheelset}; there are {wheelsets} here."
+                    f"The case {self.name} has a fault of wheelset {fault.wheelset}; there are {wheelsets} here."
                 )
         condition = CONDITIONS[self.rail]()
         if self.friction is not None:
@@ -213,7 +213,7 @@ def _case(table: Mapping[str, Any], folder: Path) -> Case:
 def _fault(table: Mapping[str, Any]) -> Fault:
     if not isinstance(table, dict):
         raise ValueError("give fault a list, [{ wheelset = 1, sensor = ... }].")
-    known = [one.name for one in fields(Fault)]
+    known = [field.name for field in fields(Fault)]
     for name in table:
         if name not in known:
             raise ValueError(f"a fault has no {shown(name)}; give some of {', '.join(known)}.")

@@ -125,7 +125,7 @@ class Rig:
         self._call = rig_in_c.functions()
         self.model = machine_model(self.machine, self.level, self.line is not None)
         #: Start values of all variables.
-        self.first = {one.name: one.start for one in self.model.variables}
+        self.first = {variable.name: variable.start for variable in self.model.variables}
         n, demand = self.machine.numbers, "traction_demand" if self.driven else "pressure_demand"
         self._inputs = [f"{name}_{number}" for name in (demand, "valve") for number in n]
         effort = "traction_torque" if self.driven else "cylinder_pressure"
@@ -168,7 +168,7 @@ class Rig:
             if name not in self.first:
                 raise ValueError(f"This machine has no {name}; {suggestion(name, self.first)}")
         values = [{name: one.get(name, self.first[name]) for name in names} for one in own]
-        start: dict[str, Any] = {name: [one[name] for one in values[:count]] for name in names}
+        start: dict[str, Any] = {name: [value[name] for value in values[:count]] for name in names}
         with (
             self.instances(count, start) as instances,
             Loop(self, instances) as loop,
@@ -240,13 +240,13 @@ class Rig:
         if len(phases) != count:
             raise ValueError(f"phases must be one for each of {count} wheelsets; got {len(phases)}.")
         each = (Wheelset * count)(*(Wheelset(1.0, 0.0, 0.0, phase, 0, 0) for phase in phases))
-        for one in run.faults:
-            if one.wheelset not in self.machine.numbers:
-                raise ValueError(f"The wheelset of a fault must be from 1 to {len(each)}; got {one.wheelset}.")
-            of = each[one.wheelset - 1]
-            of.radius, of.sensor_from = one.radius, one.sensor_from
-            of.sensor = SENSOR_FAILURES.get(one.sensor, 0)
-            of.valve_sticks, of.valve_from = int(math.isfinite(one.valve_from)), min(one.valve_from, LONGEST)
+        for fault in run.faults:
+            if fault.wheelset not in self.machine.numbers:
+                raise ValueError(f"The wheelset of a fault must be from 1 to {len(each)}; got {fault.wheelset}.")
+            of = each[fault.wheelset - 1]
+            of.radius, of.sensor_from = fault.radius, fault.sensor_from
+            of.sensor = SENSOR_FAILURES.get(fault.sensor, 0)
+            of.valve_sticks, of.valve_from = int(math.isfinite(fault.valve_from)), min(fault.valve_from, LONGEST)
         return each
 
     def values(self, run: Run) -> dict[str, float]:

@@ -35,10 +35,10 @@ class SlideProtection:
         """Return its C before the first step."""
         if wheelsets < 1:
             raise ValueError("wheel_speeds must be at least 1 number; got 0.")
-        one = OneInC(rig_in_c.slide_protection(), wheelsets, 0.0)
+        one_in_c = OneInC(rig_in_c.slide_protection(), wheelsets, 0.0)
         thresholds = astuple(self.parameters)
-        rig_in_c.functions().slide_set_thresholds(one.memory, (ctypes.c_double * len(thresholds))(*thresholds))
-        return one
+        rig_in_c.functions().slide_set_thresholds(one_in_c.memory, (ctypes.c_double * len(thresholds))(*thresholds))
+        return one_in_c
 
     @property
     def reference(self) -> float:

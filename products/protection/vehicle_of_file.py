@@ -48,10 +48,12 @@ def machine_of_sheet(sheet: DataSheet, path: str = "") -> tuple[Machine, SheetBr
             f"{path}: [brake] application_time must be at most {SLOWEST_BRAKE:g} s on the test rig; got "
             f"{brake.application_time:g} s."
         )
-    own = OwnNumbers(sheet.name, sheet.parameters, tuple(sheet.resistance.items()))
+    own_numbers = OwnNumbers(sheet.name, sheet.parameters, tuple(sheet.resistance.items()))
     machine = MACHINES[FMU_OF_AXLES[sheet.axles]]()
     pressure, torque = brake.full_pressure, brake.full_torque
-    return replace(machine, full_pressure=pressure, full_torque=torque, supply_pressure=pressure, own=own), brake
+    return replace(
+        machine, full_pressure=pressure, full_torque=torque, supply_pressure=pressure, own=own_numbers
+    ), brake
 
 
 def with_own_brake(cases: Sequence[Case], brake: SheetBrake) -> list[Case]:

@@ -80,7 +80,7 @@ def all_of_type(name: str, values: object, kind: type[T], remedy: str) -> list[T
     """Return a list or tuple, each of a type. Raises BadInputError if it is another, as `of_type`."""
     if not isinstance(values, list | tuple):
         raise BadInputError(f"{name} must be a list of {kind.__name__}; got {type(values).__name__}. {remedy}")
-    return [of_type(f"{name}[{n}]", one, kind, remedy) for n, one in enumerate(values)]
+    return [of_type(f"{name}[{n}]", value, kind, remedy) for n, value in enumerate(values)]
 
 
 def path_of(value: object) -> Path:

@@ -140,7 +140,7 @@ def build_up_of(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, buil
     if not 0.0 <= build_up <= LONGEST:
         raise BadInputError(f"build_up must be 0 to {LONGEST:g} s; got {build_up:g} s. Correct it.")
     nominal = _nominal(vehicles)
-    shares = np.array([one.force / nominal for one in vehicles])
+    shares = np.array([vehicle.force / nominal for vehicle in vehicles])
     counts = np.array([one.count for one in vehicles])
     own = tolerances.delay * np.sqrt(counts @ shares**2)
     found: Numbers = build_up - ndtri(np.array(WEAKER)) * np.hypot(own, tolerances.delay_common)
@@ -160,7 +160,7 @@ def _nominal(vehicles: Sequence[BrakedVehicles]) -> float:
             f"Groups of braked vehicles must be at most {MOST_GROUPS}; got {len(vehicles)}. Join vehicles with similar "
             "forces."
         )
-    nominal = float(sum(one.count * one.force for one in vehicles))
+    nominal = float(sum(vehicle.count * vehicle.force for vehicle in vehicles))
     if not nominal > 0.0:
         raise BadInputError("A train must have a brake force for its factors; got none. Give vehicles with brakes.")
     return nominal
@@ -174,7 +174,7 @@ def _factors(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, weaker:
     masses, counts = np.array([one.mass for one in vehicles]), np.array([one.count for one in vehicles])
     of_train = t.mass * np.sqrt(counts @ masses**2) / (counts @ masses)
     common = product_of([t.friction_common, t.common], [of_train, t.mass_common])
-    braked = [one for one in vehicles if one.force]
+    braked = [vehicle for vehicle in vehicles if vehicle.force]
     if common.values.size == 1 and all(laws[one.discs].values.size == 1 for one in braked):
         alone = failures_of([(one.count, _failures(one.force / nominal, t)) for one in braked])
         if alone is not None:

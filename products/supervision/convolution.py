@@ -45,7 +45,7 @@ def product_of(over: Sequence[float], under: Sequence[float] = ()) -> Law:
     parts = [(one, 1.0) for one in over if one] + [(one, -1.0) for one in under if one]
     if not parts:
         return Law(np.ones(1), np.ones(1))
-    masses = reduce(np.multiply, (rfft(_logarithm(*one)) for one in parts))
+    masses = reduce(np.multiply, (rfft(_logarithm(*part)) for part in parts))
     found = irfft(masses, POINTS)
     seen = found > NOISE
     place = np.fft.fftfreq(POINTS, 1.0 / POINTS)[seen]
@@ -103,13 +103,13 @@ def failures_of(groups: Sequence[tuple[int, Law]]) -> Law | None:
     return total
 
 
-def _both(one: Law, other: Law) -> Law | None:
+def _both(law: Law, other: Law) -> Law | None:
     """Return the law of a sum of two shares; None if it has too many values."""
-    if one.values.size * other.values.size > MOST_SUMS:
+    if law.values.size * other.values.size > MOST_SUMS:
         return None
-    sums: Numbers = np.add.outer(one.values, other.values).ravel().round(12)
+    sums: Numbers = np.add.outer(law.values, other.values).ravel().round(12)
     values, places = np.unique(sums, return_inverse=True)
-    masses: Numbers = np.bincount(places.ravel(), np.outer(one.masses, other.masses).ravel()).astype(np.float64)
+    masses: Numbers = np.bincount(places.ravel(), np.outer(law.masses, other.masses).ravel()).astype(np.float64)
     likely = masses > NEGLIGIBLE
     return Law(values[likely], masses[likely])
 

@@ -146,7 +146,7 @@ def _force_of(units: Sequence[BrakeUnits], common: float) -> _Force:
         )
     counts = np.array(list(product(*(braking for braking, _ in likely))), dtype=float)
     weights = np.array([prod(one) for one in product(*(weights for _, weights in likely))])
-    forces = np.array([one.force for one in units])
+    forces = np.array([unit.force for unit in units])
     spreads = np.array([one.force * one.spread for one in units])
     nominal = float(sum(one.count * one.force for one in units))
     means, own = counts @ forces / nominal, counts @ spreads**2 / nominal**2

@@ -74,25 +74,25 @@ def distributor_of(values: Mapping[str, Any], usual: DistributorParameters) -> D
     return with_times(replace(one, **volumes), values.get("fill_time", filling), values.get("release_time", release))
 
 
-def _freight_car(values: Mapping[str, Any], one: FreightCar) -> FreightCar:
+def _freight_car(values: Mapping[str, Any], freight_car: FreightCar) -> FreightCar:
     """Return an AAR or ECP valve with the times, retainer, release and empty/load device of a row."""
     if "release_time" in values:
-        one = with_release_time(one, values["release_time"])
-    if "fill_time" in values and isinstance(one, EcpValve):
-        one = with_fill_time(one, values["fill_time"])
-    if not isinstance(one, AarValve):
-        return one
+        freight_car = with_release_time(freight_car, values["release_time"])
+    if "fill_time" in values and isinstance(freight_car, EcpValve):
+        freight_car = with_fill_time(freight_car, values["fill_time"])
+    if not isinstance(freight_car, AarValve):
+        return freight_car
     share = values.get("empty_load", 1.0)
-    one = replace(one, empty_share=share, full_pressure=share * one.full_pressure)
+    freight_car = replace(freight_car, empty_share=share, full_pressure=share * freight_car.full_pressure)
     if values.get("accelerated_release") == "no":
-        one = replace(one, accelerated_choke=0.0)
-    return replace(one, **retaining(values["retainer"])) if "retainer" in values else one
+        freight_car = replace(freight_car, accelerated_choke=0.0)
+    return replace(freight_car, **retaining(values["retainer"])) if "retainer" in values else freight_car
 
 
-def brake_of(values: Mapping[str, Any], one: TrainVehicle) -> VehicleBrake:
+def brake_of(values: Mapping[str, Any], train_vehicle: TrainVehicle) -> VehicleBrake:
     """Return a vehicle's brake by a row."""
-    pressure, friction = one.distributor.full_pressure, friction_of(values)
-    usual = replace(one.brake, shoes=values.get("shoes", one.brake.shoes), **friction)
+    pressure, friction = train_vehicle.distributor.full_pressure, friction_of(values)
+    usual = replace(train_vehicle.brake, shoes=values.get("shoes", train_vehicle.brake.shoes), **friction)
     law = bool(friction) and friction["friction_law"] != CONSTANT
     if "cylinder_diameter" in values:  # eqs (2.4) to (2.6)
         stated = CYLINDER | {name: values[name] for name in CYLINDER if name in values}
@@ -107,7 +107,7 @@ def brake_of(values: Mapping[str, Any], one: TrainVehicle) -> VehicleBrake:
         force = si(values, "shoe_force") / pressure
         return replace(usual, counter_force=0.0, efficiency=1.0, force_per_pressure=force)
     if "deceleration" in values:
-        return braked_with(values["deceleration"] * (1 + one.rotating_share) * one.mass, pressure)
+        return braked_with(values["deceleration"] * (1 + train_vehicle.rotating_share) * train_vehicle.mass, pressure)
     if "brake_force" in values:
         force = si(values, "brake_force")
         return _standing_with(force, pressure, friction, usual.shoes) if law else braked_with(force, pressure)
@@ -115,8 +115,8 @@ def brake_of(values: Mapping[str, Any], one: TrainVehicle) -> VehicleBrake:
     if percentage is None:
         return usual
     if law:
-        return _sized_by(percentage, one, friction, usual.shoes)
-    return braked_by(percentage, one.mass, one.resistance, one.rotating_share, pressure)
+        return _sized_by(percentage, train_vehicle, friction, usual.shoes)
+    return braked_by(percentage, train_vehicle.mass, train_vehicle.resistance, train_vehicle.rotating_share, pressure)
 
 
 def friction_of(values: Mapping[str, Any]) -> dict[str, float]:
@@ -142,8 +142,8 @@ def _pressed(force: float, pressure: float, friction: Mapping[str, float], shoes
     return replace(braked_with(0.3 * force, pressure), shoes=shoes, **({"constant_friction": 0.0} | dict(friction)))
 
 
-def _force_at(one: VehicleBrake, pressure: float, speed: float) -> float:
-    return float(_BRAKING(pressure + AMBIENT, speed, list(one.values().values())))
+def _force_at(vehicle_brake: VehicleBrake, pressure: float, speed: float) -> float:
+    return float(_BRAKING(pressure + AMBIENT, speed, list(vehicle_brake.values().values())))
 
 
 def _standing_with(force: float, pressure: float, friction: Mapping[str, float], shoes: float) -> VehicleBrake:
@@ -155,17 +155,19 @@ def _standing_with(force: float, pressure: float, friction: Mapping[str, float],
     return _pressed(_root(excess, force, 100.0 * force), pressure, friction, shoes)
 
 
-def _sized_by(percentage: float, one: TrainVehicle, friction: Mapping[str, float], shoes: float) -> VehicleBrake:
+def _sized_by(
+    percentage: float, train_vehicle: TrainVehicle, friction: Mapping[str, float], shoes: float
+) -> VehicleBrake:
     """Return a brake with a brake weight percentage [%] from 100 km/h, S = int m v / (F + R) dv (EN 14531-1)."""
-    turning, pressure = (1 + one.rotating_share) * one.mass, one.distributor.full_pressure
-    check_percentage(percentage, turning, one.resistance)
+    turning, pressure = (1 + train_vehicle.rotating_share) * train_vehicle.mass, train_vehicle.distributor.full_pressure
+    check_percentage(percentage, turning, train_vehicle.resistance)
     mean = force_of_percentage(percentage, turning, FROM_100)
     way = turning * FROM_100.speed**2 / (2 * mean)
 
     def excess(pressed: float) -> float:
         own = _pressed(pressed, pressure, friction, shoes)
         force = forces_of(own, np.full(SPEEDS.size, pressure), SPEEDS)
-        return way - braking_way(force, turning, one.resistance)
+        return way - braking_way(force, turning, train_vehicle.resistance)
 
     return _pressed(_root(excess, 1e-2 * mean, 200.0 * mean), pressure, friction, shoes)
 
@@ -178,9 +180,9 @@ def _root(excess: Callable[[float], float], low: float, high: float) -> float:
 # -- writing ---------------------------------------------------------------------------------------------------------
 
 
-def row_of_distributor(one: TrainVehicle) -> dict[str, Any]:
+def row_of_distributor(train_vehicle: TrainVehicle) -> dict[str, Any]:
     """Return the columns of a distributor: a built-in one by its name and position, or one of UIC with its times."""
-    own = one.distributor
+    own = train_vehicle.distributor
     if isinstance(own, Piped):
         return {"brake": "none"}
     if isinstance(own, EpDirect):
@@ -217,42 +219,51 @@ def _aar_valve(own: AarValve) -> dict[str, Any]:
     """Return the columns of the retainer, release and empty/load device of a control valve."""
     row: dict[str, Any] = {"accelerated_release": "no"} if own.accelerated_choke == 0.0 else {}
     row |= {"empty_load": own.empty_share} if own.empty_share < 1.0 else {}
-    found = [one for one in RETAINERS[1:] if replace(own, **retaining(one)) == own]
+    found = [retainer for retainer in RETAINERS[1:] if replace(own, **retaining(retainer)) == own]
     return row | ({"retainer": found[0]} if found else {})
 
 
-def _friction(one: VehicleBrake) -> dict[str, Any]:
+def _friction(vehicle_brake: VehicleBrake) -> dict[str, Any]:
     """Return the columns of a brake's friction."""
-    if one.friction_law == FRACTIONS and one.friction_force_added == one.friction_force_divisor:
-        standing = one.friction_scale * one.friction_speed_added / one.friction_speed_divisor
-        half = KILOMETRES_PER_HOUR * one.friction_speed_divisor
-        own = {"friction_value": standing, "friction_fast": one.friction_scale, "friction_speed": half}
+    if (
+        vehicle_brake.friction_law == FRACTIONS
+        and vehicle_brake.friction_force_added == vehicle_brake.friction_force_divisor
+    ):
+        standing = (
+            vehicle_brake.friction_scale * vehicle_brake.friction_speed_added / vehicle_brake.friction_speed_divisor
+        )
+        half = KILOMETRES_PER_HOUR * vehicle_brake.friction_speed_divisor
+        own = {"friction_value": standing, "friction_fast": vehicle_brake.friction_scale, "friction_speed": half}
         return {"friction": "speed"} | own
-    if one.friction_law == TABLE:
-        speeds, frictions = points_of(one.values())
+    if vehicle_brake.friction_law == TABLE:
+        speeds, frictions = points_of(vehicle_brake.values())
         return {"friction": "table", "friction_table": text_of([KILOMETRES_PER_HOUR * v for v in speeds], frictions)}
-    scaled = one.friction_scale / FRICTIONS["pads"]["friction_scale"]
+    scaled = vehicle_brake.friction_scale / FRICTIONS["pads"]["friction_scale"]
     for name, law in {**FRICTIONS, **FORCELESS}.items():
         pads = {"friction_scale": law["friction_scale"] * scaled} if name == "pads" else {}
-        if replace(one, **(dict(law) | pads)) != one:
+        if replace(vehicle_brake, **(dict(law) | pads)) != vehicle_brake:
             continue
         if name == "pads":
-            return {"friction": name, "shoes": one.shoes} | (
+            return {"friction": name, "shoes": vehicle_brake.shoes} | (
                 {} if scaled == PAD_RADIUS else {"friction_radius": scaled}
             )
-        more = {"shoes": one.shoes} if name in FRICTIONS else {}
-        return {"friction": name} | more | ({"friction_value": one.constant_friction} if name == "constant" else {})
+        more = {"shoes": vehicle_brake.shoes} if name in FRICTIONS else {}
+        return (
+            {"friction": name}
+            | more
+            | ({"friction_value": vehicle_brake.constant_friction} if name == "constant" else {})
+        )
     return {}
 
 
-def row_of_brake(one: TrainVehicle) -> dict[str, Any]:
+def row_of_brake(train_vehicle: TrainVehicle) -> dict[str, Any]:
     """Return the columns of a brake: force of the shoes, or cylinder data if springs draw these back."""
-    own, friction = one.brake, _friction(one.brake)
-    if isinstance(one.distributor, Piped):
+    own, friction = train_vehicle.brake, _friction(train_vehicle.brake)
+    if isinstance(train_vehicle.distributor, Piped):
         return {}
-    by_cylinder = isinstance(one.distributor, AarValve) and one.distributor.empty_share < 1.0
+    by_cylinder = isinstance(train_vehicle.distributor, AarValve) and train_vehicle.distributor.empty_share < 1.0
     if own.counter_force == 0.0 and not by_cylinder:
-        force = own.force_per_pressure * own.efficiency * one.distributor.full_pressure
+        force = own.force_per_pressure * own.efficiency * train_vehicle.distributor.full_pressure
         return {"shoe_force": 1e-3 * force} | friction
     ratios = {d: own.force_per_pressure / (math.pi / 4 * (1e-3 * d) ** 2) for d in DIAMETERS}
     diameter, ratio = next(

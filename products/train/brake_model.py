@@ -54,13 +54,13 @@ def select_brake_model(
             raise ValueError(
                 f"The error of the {name} must be a share from 0 to {LARGEST_ERROR:g}; got {value!r}.{hint}"
             )
-    for one in BRAKE_MODELS_BY_COST.values():
+    for brake_model in BRAKE_MODELS_BY_COST.values():
         if (
-            one.distance <= distance
-            and one.force <= force
-            and one.longest >= consist.length
-            and one.releases >= releases
-            and not without_effect(consist, one.settings.brake_model, one.settings.cells)
+            brake_model.distance <= distance
+            and brake_model.force <= force
+            and brake_model.longest >= consist.length
+            and brake_model.releases >= releases
+            and not without_effect(consist, brake_model.settings.brake_model, brake_model.settings.cells)
         ):
-            return one.settings
+            return brake_model.settings
     return BRAKE_MODELS_BY_COST["whole, eight cells"].settings

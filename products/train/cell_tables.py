@@ -33,9 +33,9 @@ class CellTable:
     def points(self, text: str) -> tuple[list[float], list[float]] | None:
         """Return places, which rise by CLOSEST of their range at least, and values; None if it is no such table."""
         pairs = [one.split(":") for one in text.split()]
-        if not 2 <= len(pairs) <= self.most or any(len(one) != 2 for one in pairs):
+        if not 2 <= len(pairs) <= self.most or any(len(pair) != 2 for pair in pairs):
             return None
-        places, values = ([number_of(one) for one in numbers] for numbers in zip(*pairs, strict=True))
+        places, values = ([number_of(number) for number in numbers] for numbers in zip(*pairs, strict=True))
         for numbers, (least, most) in ((places, self.places), (values, self.values)):
             if not all(least <= one <= most for one in numbers):
                 return None

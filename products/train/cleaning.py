@@ -47,7 +47,7 @@ class CleanedRail:
         if not (isinstance(wheelsets, int) and 1 <= wheelsets <= MOST_WHEELSETS):
             raise ValueError(f"wheelsets must be an integer from 1 to {MOST_WHEELSETS}; got {wheelsets}. Correct it.")
         self.train, self.rail = train, rail or assumed_recovery()
-        lengths = np.array([one.length for one in train.consist.vehicles])
+        lengths = np.array([vehicle.length for vehicle in train.consist.vehicles])
         shares = 0.5 - (np.arange(wheelsets) + 0.5) / wheelsets
         self._offsets: NDArray[np.float64] = lengths[:, None] * shares
         self._own = np.zeros(len(lengths))  # share that a vehicle's wheels have cleaned below themselves

@@ -215,17 +215,17 @@ class Consist:
     @property
     def length(self) -> float:
         """Length from the front of the first to the back of the last vehicle [m]."""
-        return sum(one.length for one in self.vehicles)
+        return sum(vehicle.length for vehicle in self.vehicles)
 
     @property
     def mass(self) -> float:
         """Mass of all vehicles [kg]."""
-        return sum(one.mass for one in self.vehicles)
+        return sum(vehicle.mass for vehicle in self.vehicles)
 
     @property
     def percentage(self) -> float:
         """Brake weight percentage of the train [%], all braked weights over all masses (UIC 544-1)."""
-        masses = [one.mass for one in self.vehicles]
+        masses = [vehicle.mass for vehicle in self.vehicles]
         own = [(one.percentage, one.mass) for one in self.vehicles]
         weights = [braked_weight(percentage, mass) if percentage > 0.0 else 0.0 for percentage, mass in own]
         return train_percentage(weights, masses)

@@ -181,7 +181,8 @@ def columns() -> list[Column]:
         found.append(Column(name, words=choices(name), required=is_kind, filled=is_kind, remedies=others))
     found += [Column(name, filled=False, text=True, longest=longest) for name, longest in TEXTS.items()]
     return found + [
-        Column(one.name, one.unit, one.least, one.most, filled=False, whole=one.whole) for one in NUMBERS.values()
+        Column(number.name, number.unit, number.least, number.most, filled=False, whole=number.whole)
+        for number in NUMBERS.values()
     ]
 
 

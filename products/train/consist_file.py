@@ -85,7 +85,7 @@ def consist_of(
 
 def _with_head(vehicles: list[TrainVehicle], name: str) -> list[TrainVehicle]:
     """The head's valve first: the one that is so called, or that of the first locomotive; others are cut out."""
-    places = [i for i, one in enumerate(vehicles) if one.valve is not None and one.valve_delay < 0.0]
+    places = [i for i, vehicle in enumerate(vehicles) if vehicle.valve is not None and vehicle.valve_delay < 0.0]
     if not places:
         raise ValueError(f"{name} must have a driver's valve; add a locomotive, or give one vehicle valve = head.")
     called = [i for i in places if vehicles[i].kind != "locomotive" or vehicles[i].leads]
@@ -95,7 +95,7 @@ def _with_head(vehicles: list[TrainVehicle], name: str) -> list[TrainVehicle]:
 
 def _check_pipe(vehicles: Sequence[TrainVehicle], name: str) -> None:
     """Check that all pipes have one diameter. Raises ValueError."""
-    found = sorted({round(1e3 * one.pipe_diameter, 6) for one in vehicles})
+    found = sorted({round(1e3 * vehicle.pipe_diameter, 6) for vehicle in vehicles})
     if len(found) > 1:
         raise ValueError(
             f"{name}: pipe_diameter must be one number for all vehicles; got {found[0]:g} and {found[-1]:g} mm. Give it"
@@ -105,7 +105,7 @@ def _check_pipe(vehicles: Sequence[TrainVehicle], name: str) -> None:
 
 def _check_couplers(vehicles: Sequence[TrainVehicle], own: Iterable[str], name: str) -> None:
     """Check that each coupler of a table is between two vehicles. Raises ValueError."""
-    used = {one.coupler.name for one in vehicles[:-1]}
+    used = {vehicle.coupler.name for vehicle in vehicles[:-1]}
     for coupler in own:
         if coupler not in used:
             raise ValueError(

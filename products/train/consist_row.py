@@ -43,24 +43,28 @@ def vehicle_of(row: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> tuple
     return _with_valve(values, one), values
 
 
-def row_of(one: TrainVehicle) -> Row:
+def row_of(train_vehicle: TrainVehicle) -> Row:
     """Return the row that states a vehicle, as near as columns can."""
-    a, b, c = one.resistance
-    row: Row = {"kind": one.kind} | ({"name": one.name} if one.name else {})
-    row |= {"mass": 1e-3 * one.mass, "length": one.length, "rotating": 1e2 * one.rotating_share}
+    a, b, c = train_vehicle.resistance
+    row: Row = {"kind": train_vehicle.kind} | ({"name": train_vehicle.name} if train_vehicle.name else {})
+    row |= {
+        "mass": 1e-3 * train_vehicle.mass,
+        "length": train_vehicle.length,
+        "rotating": 1e2 * train_vehicle.rotating_share,
+    }
     row |= {"resistance_a": a, "resistance_b": b, "resistance_c": c}
-    row |= row_of_brake(one) | row_of_distributor(one)
-    row |= row_of_electric(one.electric) | row_of_traction(one.traction)
-    row |= row_of_heat(one.heat) | row_of_track(one.track, one.parking)
-    row |= {} if one.adhesion == "input" else {"adhesion": one.adhesion}
-    if one.friction_ratio != 1.0:
-        row |= {"friction_ratio": one.friction_ratio, "friction_decay": one.friction_decay}
-    row |= {"pipe_diameter": 1e3 * one.pipe_diameter, "at": one.distributor_at}
-    if one.leak:
-        row["leak"] = 1e3 * (4 / math.pi * one.leak / DISCHARGE) ** 0.5
-    if one.branch:
-        row["branch"] = 1e3 * one.branch
-    return row | _row_of_coupler(one.coupler) | _row_of_valve(one)
+    row |= row_of_brake(train_vehicle) | row_of_distributor(train_vehicle)
+    row |= row_of_electric(train_vehicle.electric) | row_of_traction(train_vehicle.traction)
+    row |= row_of_heat(train_vehicle.heat) | row_of_track(train_vehicle.track, train_vehicle.parking)
+    row |= {} if train_vehicle.adhesion == "input" else {"adhesion": train_vehicle.adhesion}
+    if train_vehicle.friction_ratio != 1.0:
+        row |= {"friction_ratio": train_vehicle.friction_ratio, "friction_decay": train_vehicle.friction_decay}
+    row |= {"pipe_diameter": 1e3 * train_vehicle.pipe_diameter, "at": train_vehicle.distributor_at}
+    if train_vehicle.leak:
+        row["leak"] = 1e3 * (4 / math.pi * train_vehicle.leak / DISCHARGE) ** 0.5
+    if train_vehicle.branch:
+        row["branch"] = 1e3 * train_vehicle.branch
+    return row | _row_of_coupler(train_vehicle.coupler) | _row_of_valve(train_vehicle)
 
 
 def _body_of(values: Mapping[str, Any]) -> TrainVehicle:
@@ -110,45 +114,49 @@ def _coupler_of(values: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> C
     return found
 
 
-def _row_of_coupler(one: Coupler) -> Row:
+def _row_of_coupler(coupler: Coupler) -> Row:
     """Return the columns of a coupler: a built-in one, one with a stiffness of its own, or the name of a table."""
-    strength = {} if math.isinf(one.strength) else {"coupler_strength": 1e-3 * one.strength}
-    if one.name not in COUPLERS:
-        return {"coupler": one.name}
-    if replace(one, strength=math.inf) == COUPLERS[one.name]():
-        return {"coupler": one.name} | strength
-    loading, unloading = one.compression
+    strength = {} if math.isinf(coupler.strength) else {"coupler_strength": 1e-3 * coupler.strength}
+    if coupler.name not in COUPLERS:
+        return {"coupler": coupler.name}
+    if replace(coupler, strength=math.inf) == COUPLERS[coupler.name]():
+        return {"coupler": coupler.name} | strength
+    loading, unloading = coupler.compression
     ways, forces = loading.ways, loading.forces
     slack = max(way for way, force in zip(ways, forces, strict=True) if force == 0.0) if forces[0] == 0.0 else 0.0
     stiffness = (forces[-1] - forces[-2]) / (ways[-1] - ways[-2])
-    row: Row = {"coupler": one.name, "coupler_stiffness": 1e-6 * stiffness, "coupler_preload": 1e-3 * forces[-2]}
+    row: Row = {"coupler": coupler.name, "coupler_stiffness": 1e-6 * stiffness, "coupler_preload": 1e-3 * forces[-2]}
     row["coupler_slack"] = 1e3 * slack
     damping = round(1.0 - unloading.forces[-1] / forces[-1], 12)
-    return row | ({"coupler_damping": damping} if one.dissipates or not damping else {}) | strength
+    return row | ({"coupler_damping": damping} if coupler.dissipates or not damping else {}) | strength
 
 
-def _with_valve(values: Mapping[str, Any], one: TrainVehicle) -> TrainVehicle:
+def _with_valve(values: Mapping[str, Any], train_vehicle: TrainVehicle) -> TrainVehicle:
     """Return a vehicle with its driver's valve, with the rate and the exhaust of a row."""
     name = values.get("valve")
     if name == "none":
-        return replace(one, valve=None)
+        return replace(train_vehicle, valve=None)
     if name is not None:
         delay = values.get("delay", 0.0) if name == "second" else -1.0
-        one = replace(one, valve=drivers_valve(), valve_delay=delay, leads=name == "head")
-    if one.valve is None:
-        return one
-    rate = si(values, "service_rate", one.valve.service_rate)
-    exhaust = math.pi / 4 * si(values, "exhaust") ** 2 if "exhaust" in values else one.valve.exhaust_area
-    return replace(one, valve=replace(one.valve, service_rate=rate, exhaust_area=exhaust))
+        train_vehicle = replace(train_vehicle, valve=drivers_valve(), valve_delay=delay, leads=name == "head")
+    if train_vehicle.valve is None:
+        return train_vehicle
+    rate = si(values, "service_rate", train_vehicle.valve.service_rate)
+    exhaust = math.pi / 4 * si(values, "exhaust") ** 2 if "exhaust" in values else train_vehicle.valve.exhaust_area
+    return replace(train_vehicle, valve=replace(train_vehicle.valve, service_rate=rate, exhaust_area=exhaust))
 
 
-def _row_of_valve(one: TrainVehicle) -> Row:
-    if one.valve is None:
-        return {"valve": "none"} if one.kind == "locomotive" else {}
-    row: Row = {"valve": "head"} if one.valve_delay < 0.0 else {"valve": "second", "delay": one.valve_delay}
+def _row_of_valve(train_vehicle: TrainVehicle) -> Row:
+    if train_vehicle.valve is None:
+        return {"valve": "none"} if train_vehicle.kind == "locomotive" else {}
+    row: Row = (
+        {"valve": "head"}
+        if train_vehicle.valve_delay < 0.0
+        else {"valve": "second", "delay": train_vehicle.valve_delay}
+    )
     usual = drivers_valve()
-    if one.valve.service_rate != usual.service_rate:
-        row["service_rate"] = 1e-5 * one.valve.service_rate
-    if one.valve.exhaust_area != usual.exhaust_area:
-        row["exhaust"] = 1e3 * (4 / math.pi * one.valve.exhaust_area) ** 0.5
+    if train_vehicle.valve.service_rate != usual.service_rate:
+        row["service_rate"] = 1e-5 * train_vehicle.valve.service_rate
+    if train_vehicle.valve.exhaust_area != usual.exhaust_area:
+        row["exhaust"] = 1e3 * (4 / math.pi * train_vehicle.valve.exhaust_area) ** 0.5
     return row

@@ -49,7 +49,7 @@ def facts_of(values: Row, own_coupler: bool) -> dict[str, Any]:
 
 def _holding(statements: Iterable[str], row: Row) -> list[str]:
     """Return the statements that a row makes: a column or fact, or a column with a word, as "friction = speed"."""
-    parts = ((one, *one.partition(" = ")) for one in statements)
+    parts = ((statement, *statement.partition(" = ")) for statement in statements)
     return [one for one, name, equals, word in parts if (row.get(name) == word if equals else name in row)]
 
 
@@ -127,7 +127,7 @@ _DYNAMIC, _TRACTION = ("dynamic_force", "dynamic_table"), ("traction_force", "tr
 _MASSES, _PARKING = ("wheel_mass", "disc_mass"), ("parking_force", "parking_gradient")
 _RIGGING = ("cylinders", "rigging_ratio", "rigging_efficiency", "return_force")
 _VALUED = ("friction = constant", "friction = speed")
-_LAWS, _AT_SPEED = tuple(f"friction = {one}" for one in FRICTIONS), ("friction = speed",)
+_LAWS, _AT_SPEED = tuple(f"friction = {friction}" for friction in FRICTIONS), ("friction = speed",)
 _OTHER_LAWS = tuple(f"friction = {one}" for one in (*FRICTIONS, *FORCELESS) if one != "constant")
 _TWICE = f"{WITHOUT}, which has the forces. {LEAVE_ONE}"
 _TOGETHER = "friction_ratio and friction_decay must come together: one alone has no effect. Give both."

@@ -106,17 +106,40 @@ def rows_of(consist: Consist) -> list[Row]:
     return rows
 
 
-def _numbers(one: TrainVehicle) -> dict[str, Any]:
+def _numbers(train_vehicle: TrainVehicle) -> dict[str, Any]:
     """Return the numbers of a vehicle by name, forces of the brake after its losses."""
-    brake = one.brake.values()
+    brake = train_vehicle.brake.values()
     lost = brake.pop("efficiency")
     brake |= {name: lost * brake[name] for name in ("force_per_pressure", "counter_force")}
     brake.pop("shoes")
-    own = {"length": one.length, "at": one.distributor_at, "leak": one.leak, "branch": one.branch}
-    own |= {"pipe_diameter": one.pipe_diameter, "valve_delay": one.valve_delay, "braked_share": one.braked_share}
-    valve = list(one.valve.numbers(0, 0.0, one.valve_delay).values()) if one.valve else [0.0]
-    own |= one.electric.values() | one.heat.values() | one.track.values() | one.parking.values()
-    own["adhesion"] = ADHESIONS[one.adhesion]
-    own |= {f"traction: {name}": value for name, value in one.traction.values().items()}
-    own["coupler_strength"] = min(one.coupler.strength, UNBREAKABLE)
-    return brake | own | {"valve": valve} | one.motion() | one.distributor.values() | one.coupler.values()
+    own = {
+        "length": train_vehicle.length,
+        "at": train_vehicle.distributor_at,
+        "leak": train_vehicle.leak,
+        "branch": train_vehicle.branch,
+    }
+    own |= {
+        "pipe_diameter": train_vehicle.pipe_diameter,
+        "valve_delay": train_vehicle.valve_delay,
+        "braked_share": train_vehicle.braked_share,
+    }
+    valve = (
+        list(train_vehicle.valve.numbers(0, 0.0, train_vehicle.valve_delay).values()) if train_vehicle.valve else [0.0]
+    )
+    own |= (
+        train_vehicle.electric.values()
+        | train_vehicle.heat.values()
+        | train_vehicle.track.values()
+        | train_vehicle.parking.values()
+    )
+    own["adhesion"] = ADHESIONS[train_vehicle.adhesion]
+    own |= {f"traction: {name}": value for name, value in train_vehicle.traction.values().items()}
+    own["coupler_strength"] = min(train_vehicle.coupler.strength, UNBREAKABLE)
+    return (
+        brake
+        | own
+        | {"valve": valve}
+        | train_vehicle.motion()
+        | train_vehicle.distributor.values()
+        | train_vehicle.coupler.values()
+    )

@@ -29,7 +29,7 @@ ARRAYS = (
 @lru_cache
 def coupler_in_c() -> ArraysInC:
     """Return the C object of a coupler with its arrays."""
-    places = f"enum {{ {', '.join(one.name.upper() for one in ARRAYS)}, ARRAYS_MOST }};\n"
+    places = f"enum {{ {', '.join(array.name.upper() for array in ARRAYS)}, ARRAYS_MOST }};\n"
     limits = [f"{{{c_number(one.least)}, {c_number(one.most)}}}" for one in COUPLER]
     places += "typedef struct {\n    double least, most;\n} coupler_limits;\n"
     places += c_array("coupler_limits", "COUPLER_LIMITS", limits)

@@ -119,18 +119,18 @@ def coupler_of(table: Any) -> Coupler:
                     "slack must be left out with curves of loading that begin without a force; got "
                     f"{values['slack']:g} mm. Leave it out."
                 )
-            loading, unloading = (_shifted(one, slack, sticking) for one in pairs[sense])
+            loading, unloading = (_shifted(pair, slack, sticking) for pair in pairs[sense])
             pairs[sense] = loading, unloading
     strength = {"strength": 1e3 * values["strength"]} if "strength" in values else {}
     return Coupler(values["name"], sticking, pairs["tension"], pairs["compression"], **strength)
 
 
-def table_of(one: Coupler) -> dict[str, Any]:
+def table_of(coupler: Coupler) -> dict[str, Any]:
     """Return the [[coupler]] table that states a coupler, with curves of the whole coupling."""
-    table: dict[str, Any] = {"name": one.name, "sticking_stiffness": 1e-6 * one.sticking_stiffness}
-    if np.isfinite(one.strength):
-        table["strength"] = 1e-3 * one.strength
-    for sense, (loading, unloading) in zip(SENSES, (one.tension, one.compression), strict=True):
+    table: dict[str, Any] = {"name": coupler.name, "sticking_stiffness": 1e-6 * coupler.sticking_stiffness}
+    if np.isfinite(coupler.strength):
+        table["strength"] = 1e-3 * coupler.strength
+    for sense, (loading, unloading) in zip(SENSES, (coupler.tension, coupler.compression), strict=True):
         for name, curve in (("", loading), ("unloading_", unloading)):
             table[f"{sense}_{name}travel"] = [1e3 * way for way in curve.ways]
         table[f"{sense}_loading"] = [1e-3 * force for force in loading.forces]

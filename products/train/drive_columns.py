@@ -26,14 +26,14 @@ def _force(values: Mapping[str, Any], drive: str) -> dict[str, float]:
     return {force: max(in_newtons)} | power | shape_of([v / KILOMETRES_PER_HOUR for v in speeds], in_newtons)
 
 
-def electric_of(values: Mapping[str, Any], one: DistributorParameters) -> ElectricBrake:
+def electric_of(values: Mapping[str, Any], parameters: DistributorParameters) -> ElectricBrake:
     """Return the electric command and brake of a row; one: its distributor."""
     found = _force(values, "dynamic")
     fade = 0.0 if "dynamic_table" in values else FADE
     if "dynamic_fade" in values:
         fade = values["dynamic_fade"] / KILOMETRES_PER_HOUR
     return ElectricBrake(
-        blended_pressure=one.full_pressure if kind_of(one).wired else 0.0,
+        blended_pressure=parameters.full_pressure if kind_of(parameters).wired else 0.0,
         dead_time=values.get("dead_time", 0.0),
         dynamic_fade=fade,
         dynamic_rise=values.get("dynamic_rise", RISE if found else 0.0),
@@ -63,19 +63,21 @@ def _row(drive: str, p: Mapping[str, float]) -> dict[str, Any]:
     return row | {f"{drive}_rise": p[f"{drive}_rise"]} | ({f"{drive}_power": 1e-3 * power} if power < NO_LIMIT else {})
 
 
-def row_of_electric(one: ElectricBrake) -> dict[str, Any]:
+def row_of_electric(electric_brake: ElectricBrake) -> dict[str, Any]:
     """Return the columns of an electric command and of an electric brake."""
-    row: dict[str, Any] = {"dead_time": one.dead_time} if one.dead_time else {}
-    if not one.dynamic_force:
+    row: dict[str, Any] = {"dead_time": electric_brake.dead_time} if electric_brake.dead_time else {}
+    if not electric_brake.dynamic_force:
         return row
-    row |= _row("dynamic", one.values()) | {"dynamic_fade": KILOMETRES_PER_HOUR * one.dynamic_fade}
-    name = next(name for name, number in BLENDINGS.items() if number == one.blending)
+    row |= _row("dynamic", electric_brake.values()) | {
+        "dynamic_fade": KILOMETRES_PER_HOUR * electric_brake.dynamic_fade
+    }
+    name = next(name for name, number in BLENDINGS.items() if number == electric_brake.blending)
     row |= {} if name == "fills" else {"blending": name}
-    return row | ({"blending_speed": KILOMETRES_PER_HOUR * one.blending_speed} if name == "closes" else {})
+    return row | ({"blending_speed": KILOMETRES_PER_HOUR * electric_brake.blending_speed} if name == "closes" else {})
 
 
-def row_of_traction(one: Traction) -> dict[str, Any]:
+def row_of_traction(traction: Traction) -> dict[str, Any]:
     """Return the columns of motors."""
-    if not one.traction_force:
+    if not traction.traction_force:
         return {}
-    return _row("traction", one.values()) | {"traction_cut_out": 1e-5 * one.traction_cut_out}
+    return _row("traction", traction.values()) | {"traction_cut_out": 1e-5 * traction.traction_cut_out}

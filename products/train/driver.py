@@ -31,7 +31,8 @@ MOVES = 8.0
 def direct_release(consist: Consist) -> int:
     """Return the number of the first vehicle, from 1, whose brake releases wholly; 0: all release in part."""
     return next(
-        (number for number, one in enumerate(consist.vehicles, 1) if kind_of(one.distributor).releases_wholly), 0
+        (number for number, vehicle in enumerate(consist.vehicles, 1) if kind_of(vehicle.distributor).releases_wholly),
+        0,
     )
 
 
@@ -104,7 +105,7 @@ class HoldingDriver:
         if rolls_back(train):
             self.air = hold(train)
             return
-        pulls = any(one.traction.traction_force > 0.0 for one in train.consist.vehicles)
+        pulls = any(vehicle.traction.traction_force > 0.0 for vehicle in train.consist.vehicles)
         fast = float(train.speed[0]) - self.speed
         demand = self.added + self.gain * fast
         if (-1.0 / PULLS if pulls else 0.0) < demand < 1.0 or demand * fast < 0.0:  # no wind-up beyond the brake

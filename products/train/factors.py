@@ -34,39 +34,44 @@ TWICE = (
 def changed(consist: Consist, values: Mapping[str, float]) -> Consist:
     """Return a consist with other parameters."""
     mass = consist.mass
-    return Consist(tuple(_vehicle(one, values, one.mass / mass) for one in consist.vehicles))
+    return Consist(tuple(_vehicle(vehicle, values, vehicle.mass / mass) for vehicle in consist.vehicles))
 
 
-def _vehicle(one: TrainVehicle, values: Mapping[str, float], share: float) -> TrainVehicle:
+def _vehicle(train_vehicle: TrainVehicle, values: Mapping[str, float], share: float) -> TrainVehicle:
     factor = values.get("resistance_factor", 1.0)
     a, b, c = (
         share * values[name] if (name := f"resistance_{letter}") in values else factor * own
-        for letter, own in zip("abc", one.resistance, strict=True)
+        for letter, own in zip("abc", train_vehicle.resistance, strict=True)
     )
-    one = replace(one, resistance=(a, b, c))
-    if isinstance(one.distributor, Piped):
-        return one
+    train_vehicle = replace(train_vehicle, resistance=(a, b, c))
+    if isinstance(train_vehicle.distributor, Piped):
+        return train_vehicle
     if "fill_time" in values:
-        one = _filling(one, values["fill_time"])
+        train_vehicle = _filling(train_vehicle, values["fill_time"])
     if "lambda" in values:
-        pressure = one.distributor.full_pressure
-        one = replace(one, brake=braked_by(values["lambda"], one.mass, one.resistance, one.rotating_share, pressure))
+        pressure = train_vehicle.distributor.full_pressure
+        train_vehicle = replace(
+            train_vehicle,
+            brake=braked_by(
+                values["lambda"], train_vehicle.mass, train_vehicle.resistance, train_vehicle.rotating_share, pressure
+            ),
+        )
     if "brake_factor" in values:
-        times, brake, electric = values["brake_factor"], one.brake, one.electric
+        times, brake, electric = values["brake_factor"], train_vehicle.brake, train_vehicle.electric
         force, counter = times * brake.force_per_pressure, times * brake.counter_force
-        one = replace(one, brake=replace(brake, force_per_pressure=force, counter_force=counter))
-        one = replace(one, electric=replace(electric, dynamic_force=times * electric.dynamic_force))
-    return one
+        train_vehicle = replace(train_vehicle, brake=replace(brake, force_per_pressure=force, counter_force=counter))
+        train_vehicle = replace(train_vehicle, electric=replace(electric, dynamic_force=times * electric.dynamic_force))
+    return train_vehicle
 
 
-def _filling(one: TrainVehicle, time: float) -> TrainVehicle:
+def _filling(train_vehicle: TrainVehicle, time: float) -> TrainVehicle:
     """Return a vehicle with another filling time [s] and its own release time."""
-    own = one.distributor
+    own = train_vehicle.distributor
     if isinstance(own, UicDistributor) and "fill_time" in kind_of(own).adjustable:
-        return replace(one, distributor=with_times(own, time, release_time(own)))
+        return replace(train_vehicle, distributor=with_times(own, time, release_time(own)))
     if isinstance(own, EpDirect):
         release = (own.full_pressure - RELEASED) / own.release_rate
-        return replace(one, distributor=ep_direct.with_times(own.full_pressure, time, release))
+        return replace(train_vehicle, distributor=ep_direct.with_times(own.full_pressure, time, release))
     raise ValueError(
-        f"fill_time must be of vehicles with a filling time; a {one.kind} has another. Fit other parameters."
+        f"fill_time must be of vehicles with a filling time; a {train_vehicle.kind} has another. Fit other parameters."
     )

@@ -23,8 +23,10 @@ NAME = "TrainDynamics"
 
 def _arrays(causality: str, arrays: Sequence[Array]) -> tuple[ArrayVariable, ...]:
     return tuple(
-        ArrayVariable(one.called or one.name, causality, one.unit, one.text, one.least, one.most, one.whole)
-        for one in arrays
+        ArrayVariable(
+            array.called or array.name, causality, array.unit, array.text, array.least, array.most, array.whole
+        )
+        for array in arrays
     )
 
 
@@ -41,7 +43,7 @@ ARRAYS = (*PARAMETERS, *INPUTS, *OUTPUTS)
 
 def _places() -> str:
     first = len(PARAMETERS) + len(INPUTS)
-    names = [one.name for one in ARRAYS]
+    names = [array.name for array in ARRAYS]
     sums, locked, slip = names.index("largest_tension"), names.index("locked"), names.index("slip")
     return (
         f"enum {{ FIRST_PARAMETER, FIRST_INPUT = {len(PARAMETERS)}, FIRST_OUTPUT = {first}, LOCKED = {locked},"
@@ -62,12 +64,12 @@ def train_fmu(
 ) -> ArraysFmu:
     """Return the FMU of a consist on a line; title: name of the model for people."""
     vehicles = len(consist.vehicles)
-    valves = sum(one.valve is not None for one in consist.vehicles)
+    valves = sum(vehicle.valve is not None for vehicle in consist.vehicles)
     counts = {"one": 1, "ends": 2, "valves": valves, "vehicles": vehicles, "couplings": vehicles - 1}
     lengths = [1] * len(PARAMETERS) + [counts[one.of] for one in (*layout.INPUTS, *layout.OUTPUTS)]
     lengths += [vehicles] * 2 + [1] * len(layout.SUMS[1:])  # locked and slip; numbers of the run
     starts = [[0.0] * length for length in lengths]
-    names = [one.name for one in ARRAYS]
+    names = [array.name for array in ARRAYS]
     starts[names.index("start_pipe_pressure")] = [START_PIPE_PRESSURE]
     starts[names.index("driver_position")] = [1.0, *[0.0] * (valves - 1)]
     starts[names.index("friction")] = [START_FRICTION] * vehicles

@@ -119,33 +119,33 @@ def _conduction(values: Mapping[str, Any], body: Body, number: float) -> dict[st
     }
 
 
-def row_of_heat(one: BrakeHeat) -> dict[str, Any]:
+def row_of_heat(brake_heat: BrakeHeat) -> dict[str, Any]:
     """Return the columns of a brake's heat: eight wheels or discs alike, or as many more as the limits of one need."""
-    if not one.heat_capacity:
+    if not brake_heat.heat_capacity:
         return {}
     row: dict[str, Any] = {}
     for number in (8, 16, 32, 64, 96):
-        row = _row_of(one, number)
+        row = _row_of(brake_heat, number)
         if all(row[name] <= HEAT[name].most for name in row):
             break
-    if any(one.values()[name] != value for name, value in NO_FADE.items()):
-        places, shares = FADE.points(one.values())
+    if any(brake_heat.values()[name] != value for name, value in NO_FADE.items()):
+        places, shares = FADE.points(brake_heat.values())
         row["fade_table"] = text_of([place - ZERO for place in places], shares)
     return row
 
 
-def _row_of(one: BrakeHeat, number: int) -> dict[str, Any]:
+def _row_of(brake_heat: BrakeHeat, number: int) -> dict[str, Any]:
     """Return the columns without the table, for a number of wheels or discs."""
-    body = BODIES[int(one.rubbed)]
-    row: dict[str, Any] = {body.mass: one.heat_capacity / body.capacity / number, body.number: number}
-    row |= {"heat_share": one.heat_share}
-    if one.conduction_time:
-        thickness = (one.conduction_time * body.conductivity / (body.density * body.capacity)) ** 0.5
+    body = BODIES[int(brake_heat.rubbed)]
+    row: dict[str, Any] = {body.mass: brake_heat.heat_capacity / body.capacity / number, body.number: number}
+    row |= {"heat_share": brake_heat.heat_share}
+    if brake_heat.conduction_time:
+        thickness = (brake_heat.conduction_time * body.conductivity / (body.density * body.capacity)) ** 0.5
         row["thickness"] = 1e3 * thickness
-        row["rubbed_area"] = thickness / (body.conductivity * one.conduction_resistance * number)
-    row |= {"cooling": one.cooling_at_rest / number, "cooling_speed": one.cooling_over_speed / number}
-    if one.block_capacity:
-        row |= {"block_mass": one.block_capacity / BLOCK / number, "block_heat": BLOCK}
-        row |= {"block_cooling": one.block_cooling_at_rest / number}
-        row["block_cooling_speed"] = one.block_cooling_over_speed / number
+        row["rubbed_area"] = thickness / (body.conductivity * brake_heat.conduction_resistance * number)
+    row |= {"cooling": brake_heat.cooling_at_rest / number, "cooling_speed": brake_heat.cooling_over_speed / number}
+    if brake_heat.block_capacity:
+        row |= {"block_mass": brake_heat.block_capacity / BLOCK / number, "block_heat": BLOCK}
+        row |= {"block_cooling": brake_heat.block_cooling_at_rest / number}
+        row["block_cooling_speed"] = brake_heat.block_cooling_over_speed / number
     return row

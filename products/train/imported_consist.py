@@ -85,19 +85,19 @@ def _fitted(row: Row) -> tuple[Row, dict[str, str]]:
     return kept, outside
 
 
-def _defaults(one: TrainVehicle, row: Row) -> dict[str, str]:
+def _defaults(train_vehicle: TrainVehicle, row: Row) -> dict[str, str]:
     """Return what a vehicle has in place of each refinement that is left out, as the end of a sentence."""
     numbers = {
-        "rotating": 100 * one.rotating_share,
-        "full_pressure": 1e-5 * one.distributor.full_pressure,
-        "shoes": one.brake.shoes,
+        "rotating": 100 * train_vehicle.rotating_share,
+        "full_pressure": 1e-5 * train_vehicle.distributor.full_pressure,
+        "shoes": train_vehicle.brake.shoes,
     }
-    if isinstance(one.distributor, UicDistributor):
-        numbers["auxiliary"] = 1e3 * one.distributor.auxiliary_volume
-        numbers["cylinder"] = 1e3 * one.distributor.cylinder_volume
+    if isinstance(train_vehicle.distributor, UicDistributor):
+        numbers["auxiliary"] = 1e3 * train_vehicle.distributor.auxiliary_volume
+        numbers["cylinder"] = 1e3 * train_vehicle.distributor.cylinder_volume
     told = dict.fromkeys(NUMBERS, "it is left out")
     told |= {name: f"the {what} left out" for name, (what, _) in WHOLE.items()}
-    told |= dict.fromkeys(COUPLING, f"that of the {one.coupler.name} coupler is taken")
+    told |= dict.fromkeys(COUPLING, f"that of the {train_vehicle.coupler.name} coupler is taken")
     told |= {name: f"the default of {value:.4g}{NUMBERS[name].of_unit} is taken" for name, value in numbers.items()}
     return told | {name: f"{row[name]:.4g} s is taken" for name in NEAREST if name in row}
 

@@ -12,7 +12,7 @@ from products.train.layout import INPUTS
 from readers.usual import likely_unit
 
 #: Inputs by name, with their limits.
-BY_NAME = {one.name: one for one in INPUTS}
+BY_NAME = {input_.name: input_ for input_ in INPUTS}
 
 
 class Inputs(Mapping[str, NDArray[np.float64]]):

@@ -192,11 +192,11 @@ _POINT = (
 def _of(parameters: type[ParameterSet], most: float) -> tuple[Field, ...]:
     """Return the fields of a parameter set; if it has no limit, C has one of this size."""
     found = []
-    for one in fields(parameters):
-        least, up_to = (max(min(one.metadata[name], most), -most) for name in ("minimum", "maximum"))
-        text = one.metadata["description"].partition(";")[0]
+    for field in fields(parameters):
+        least, up_to = (max(min(field.metadata[name], most), -most) for name in ("minimum", "maximum"))
+        text = field.metadata["description"].partition(";")[0]
         text = text[0].lower() + text[1:]
-        found.append(Field(one.name, one.metadata["unit"], least, up_to, text, one.metadata["kind"] == "integer"))
+        found.append(Field(field.name, field.metadata["unit"], least, up_to, text, field.metadata["kind"] == "integer"))
     return tuple(found)
 
 

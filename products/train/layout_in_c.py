@@ -30,7 +30,10 @@ def _enum(prefix: str, names: Iterable[str], last: str) -> str:
 def _owners() -> dict[str, str]:
     """Return the C expressions of the number of owners, by name."""
     counted = {name: f"(long long int)head[HEAD_{name.upper()}]" for name in ("cells", "vehicles", "valves", "points")}
-    counted |= {f"distributor_{one}": f"(long long int)head[HEAD_DISTRIBUTOR_{one.upper()}]" for one in DISTRIBUTORS}
+    counted |= {
+        f"distributor_{distributor}": f"(long long int)head[HEAD_DISTRIBUTOR_{distributor.upper()}]"
+        for distributor in DISTRIBUTORS
+    }
     return {"one": "1", "ends": "2"} | counted | {"couplings": f"{counted['vehicles']} - 1"}
 
 
@@ -52,9 +55,9 @@ def layout_in_c() -> str:
             "enum { GROUP_FIRST_KIND = GROUP_PLACE + 1 };",
             *(_enum(one.name, (f.name for f in one.fields), f"{one.name.upper()}_ROWS") for one in layout()),
             "enum { HEAD_FIRST_KIND = HEAD_POINTS + 1 };",
-            _enum("in", (one.name for one in INPUTS), "TRAIN_INPUTS"),
+            _enum("in", (input_.name for input_ in INPUTS), "TRAIN_INPUTS"),
             *(_enum(one.name, one.choices, f"{one.name.upper()}_CHOICES") for one in INPUTS if one.choices),
-            _enum("out", (one.name for one in OUTPUTS), "OUT_SUMS"),
+            _enum("out", (output.name for output in OUTPUTS), "OUT_SUMS"),
             _enum("sum", (one.name for one in SUMS), "TRAIN_SUMS"),
             _enum("brake_model", BRAKE_MODELS, "BRAKE_MODELS"),
             _enum("acting", ACTING, "ACTING_ROWS"),
@@ -69,7 +72,7 @@ def layout_in_c() -> str:
 
 def _kinds_in_c() -> list[str]:
     """Return the distributors in C: states, start values, the cylinder's number, functions of each brake model."""
-    most = max(len(one.states) for one in DISTRIBUTORS.values())
+    most = max(len(distributor.states) for distributor in DISTRIBUTORS.values())
     rows, forms = list[str](), list[str]()
     for name, one in DISTRIBUTORS.items():
         starts = ", ".join(f"START_{start.upper()}" for _, start in one.states)
@@ -98,7 +101,7 @@ def _kinds_in_c() -> list[str]:
 def fields_in_c() -> str:
     """Return train_fields.h: owners and limits of all fields and inputs."""
     of_groups = [f"{{OF_{one.of.upper()}, {len(one.fields)}}}" for one in layout()]
-    own = [_field(one, group.of) for group in layout() for one in group.fields]
+    own = [_field(field, group.of) for group in layout() for field in group.fields]
     return "\n".join(
         [
             HEAD,
@@ -107,13 +110,13 @@ def fields_in_c() -> str:
             "    const char *what;\n} layout_field;",
             c_array("layout_group", "GROUPS", of_groups),
             c_array("layout_field", "FIELDS", own),
-            c_array("layout_field", "INPUTS", (_field(one, one.of) for one in INPUTS)),
-            c_array("int", "OUTPUT_OF", (f"OF_{one.of.upper()}" for one in OUTPUTS)) + "\n",
+            c_array("layout_field", "INPUTS", (_field(input_, input_.of) for input_ in INPUTS)),
+            c_array("int", "OUTPUT_OF", (f"OF_{output.of.upper()}" for output in OUTPUTS)) + "\n",
         ]
     )
 
 
-def _field(one: Field, of: str) -> str:
-    counts = f"OF_{(one.counts or 'one').upper()}"
-    limits = f"{c_number(one.least)}, {c_number(one.most)}"
-    return f"{{{limits}, OF_{of.upper()}, {int(one.whole)}, {counts}, {int(one.rises)}, {c_text(one.text)}}}"
+def _field(field: Field, of: str) -> str:
+    counts = f"OF_{(field.counts or 'one').upper()}"
+    limits = f"{c_number(field.least)}, {c_number(field.most)}"
+    return f"{{{limits}, OF_{of.upper()}, {int(field.whole)}, {counts}, {int(field.rises)}, {c_text(field.text)}}}"

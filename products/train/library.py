@@ -56,9 +56,9 @@ def _sources(kinds: tuple[Distributor, ...]) -> dict[str, str]:
     texts = {path.name: path.read_text(encoding="utf-8") for path in files}
     texts |= {"train_layout.h": layout_in_c(), "train_fields.h": fields_in_c()}
     for name, functions_of in FUNCTIONS.items():
-        made = [one() for one in functions_of]
+        made = [function() for function in functions_of]
         if name == "pipe":
-            made += [one.function(brake_model) for one in kinds for brake_model in dict.fromkeys(one.brake_models())]
+            made += [kind.function(brake_model) for kind in kinds for brake_model in dict.fromkeys(kind.brake_models())]
         texts[f"{name}_cells.h"] = "\n".join(_arguments_used(function_of_cells(one)) for one in made)
         for lanes in (1, *WIDTHS):
             loops = f'#define LANES {lanes}\n#include "{name}_loops.h"\n'

@@ -83,7 +83,7 @@ def cells_of(consist: Consist, cells: float) -> tuple[NDArray[np.float64], list[
 def branches_of(consist: Consist, places: list[int], cells: int) -> NDArray[np.float64]:
     """Return the volume of the pipe's branches in each cell, as a length of the pipe [m]."""
     found = np.zeros(cells)
-    np.add.at(found, places, [one.branch / (np.pi / 4 * one.pipe_diameter**2) for one in consist.vehicles])
+    np.add.at(found, places, [vehicle.branch / (np.pi / 4 * vehicle.pipe_diameter**2) for vehicle in consist.vehicles])
     return found
 
 
@@ -106,9 +106,11 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
     bound = 2.0 / max(fastest([one.coupler for one in vehicles[:-1]], [one.mass for one in vehicles]), 1e-6)
     pace = max(kind_of(one).fastest(one, settings.brake_model) for one in {one.distributor for one in vehicles})
     valves = [
-        one.valve.numbers(_face(i, places, faces, len(lengths)), float(ends[i]), one.valve_delay, keeps_pipe(kinds))
-        for i, one in enumerate(vehicles)
-        if one.valve is not None
+        vehicle.valve.numbers(
+            _face(i, places, faces, len(lengths)), float(ends[i]), vehicle.valve_delay, keeps_pipe(kinds)
+        )
+        for i, vehicle in enumerate(vehicles)
+        if vehicle.valve is not None
     ]
     rows = line.rows if line is not None else {"distance": np.zeros(1)}
     level = np.zeros(len(rows["distance"]))
@@ -147,7 +149,7 @@ def _cells(
     if len({one.pipe_diameter for one in consist.vehicles}) > 1:
         raise ValueError("All vehicles must have pipes of one inner diameter, such as 0.03175 m; got several.")
     leak = np.zeros(len(lengths))
-    np.add.at(leak, places, [one.leak for one in consist.vehicles])
+    np.add.at(leak, places, [vehicle.leak for vehicle in consist.vehicles])
     same = {"diameter": consist.vehicles[0].pipe_diameter, "wall_temperature": WALL, "ambient_pressure": AMBIENT}
     same |= {"friction": settings.friction, "heat": settings.heat}
     columns = {name: np.full(len(lengths), value) for name, value in same.items()}

@@ -75,9 +75,9 @@ class Air:
 
         heat: from the walls [J]; cylinder_mass: air that cylinders took [kg].
         """
-        found = PassedInC()
-        ctypes.pointer(found)[0] = self._call.pipe_has_passed(self.own).contents
-        return found
+        passed_in_c = PassedInC()
+        ctypes.pointer(passed_in_c)[0] = self._call.pipe_has_passed(self.own).contents
+        return passed_in_c
 
     def vehicle_pressures(self, name: str) -> NDArray[np.float64]:
         """Return absolute pressures of a state of the distributors [Pa], shape (vehicles,).
@@ -155,7 +155,7 @@ class Pipe(Air):
         if not (places.size == len(distributors) and places.size and places.min() >= 0 and places.max() < self.cells):
             raise ValueError(f"Each distributor must have one of the cells 0 to {self.cells - 1}; got {list(cells)}.")
         known = list(DISTRIBUTORS.values())
-        kinds = [kind_of(one) for one in distributors]
+        kinds = [kind_of(distributor) for distributor in distributors]
         self.kinds = [known.index(kind) for kind in kinds]
         given = [np.array([list(one.values().values()) for one in distributors if kind_of(one) is k]).T for k in known]
         given = [one.copy() for one in given]
@@ -170,8 +170,8 @@ class Pipe(Air):
         """Set the conditions outside an end, 0 or 1. Raises ValueError if the end does not exist."""
         if end not in (0, 1):
             raise ValueError(f"The end of a pipe must be 0 or 1; got {end}.")
-        given = OutsideInC(outside.opening, self.area, outside.pressure, outside.temperature)
-        self._call.pipe_end(self.own, end, given)
+        outside_in_c = OutsideInC(outside.opening, self.area, outside.pressure, outside.temperature)
+        self._call.pipe_end(self.own, end, outside_in_c)
 
     def advance(self, time: float, courant: float = COURANT) -> None:
         """Advance by a time [s]. Raises ValueError if the state is not finite; the pipe keeps its last state then.

@@ -134,7 +134,9 @@ def _remarks(consist: Consist) -> tuple[str, ...]:
     found = []
     if ahead and last.coupler not in (ahead[-1].coupler, screw_coupler()):
         found.append(f"The {last.coupler.name} coupler of the last vehicle has no effect: nothing is behind it.")
-    parking = [(one.parking.parking_force, START_FRICTION * one.motion()["weight"]) for one in consist.vehicles]
+    parking = [
+        (vehicle.parking.parking_force, START_FRICTION * vehicle.motion()["weight"]) for vehicle in consist.vehicles
+    ]
     if parked := sum(min(force, most) for force, most in parking):  # what a dry rail transmits, Coulomb's law
         gradient = 1e3 * parked / (consist.mass * GRAVITY)
         found.append(f"Parking brakes: {1e-3 * parked:.1f} kN, which hold the train on {gradient:.1f} permille.")
@@ -149,10 +151,10 @@ def _remarks(consist: Consist) -> tuple[str, ...]:
     return tuple(found)
 
 
-def brake_force(one: TrainVehicle, speed: float) -> float:
+def brake_force(train_vehicle: TrainVehicle, speed: float) -> float:
     """Return the brake force of a vehicle with full cylinders at a speed [m/s] at its rims [N], eqs (2.4) to (2.7)."""
-    full = one.distributor.full_pressure + AMBIENT
-    return float(_BRAKING(full, speed, list(one.brake.values().values())))
+    full = train_vehicle.distributor.full_pressure + AMBIENT
+    return float(_BRAKING(full, speed, list(train_vehicle.brake.values().values())))
 
 
 def _resisted(law: tuple[float, float, float], speed: float) -> float:
@@ -163,7 +165,7 @@ def _resisted(law: tuple[float, float, float], speed: float) -> float:
 
 def _at(consist: Consist, speed: float) -> AtSpeed:
     metres = speed / 3.6
-    resistance = sum(_resisted(one.resistance, metres) for one in consist.vehicles)
+    resistance = sum(_resisted(vehicle.resistance, metres) for vehicle in consist.vehicles)
     force = sum(brake_force(one, metres) for one in consist.vehicles)
     return AtSpeed(speed, 1e-3 * resistance, 1e-3 * force, stopping_distance(consist, metres))
 

@@ -78,23 +78,25 @@ class Call:
     late: float
 
 
-def _vehicle_forces(one: TrainVehicle) -> np.ndarray:
+def _vehicle_forces(train_vehicle: TrainVehicle) -> np.ndarray:
     """Return the largest forces of a vehicle's motors, dynamic brake and air brake over SPEEDS [N], shape (4, n).
 
     The last row is the weight on driven wheels times the fall of adhesion by Curtius and Kniffler.
     """
-    wired = kind_of(one.distributor).wired  # the driver's valve demands both brakes of such a vehicle
-    motors = list(replace(one.traction, traction_rise=0.0).values().values())
-    electric = list(replace(one.electric, dynamic_rise=0.0, blended_pressure=0.0).values().values())
+    wired = kind_of(train_vehicle.distributor).wired  # the driver's valve demands both brakes of such a vehicle
+    motors = list(replace(train_vehicle.traction, traction_rise=0.0).values().values())
+    electric = list(replace(train_vehicle.electric, dynamic_rise=0.0, blended_pressure=0.0).values().values())
     speed = SPEEDS[None, :]
 
     def each(values: list[float]) -> np.ndarray:
         return np.tile(np.array(values)[:, None], SPEEDS.size)
 
     pulls = driving()(speed, each([1.0, 0.0, 1.0]), each(motors))
-    brakes = blending()(speed, each([0.0, 1.0, 0.0, 1.0]), each(list(one.brake.values().values())), each(electric))
-    air = forces_of(one.brake, np.full(SPEEDS.size, one.distributor.full_pressure), SPEEDS)
-    weight = one.mass * GRAVITY * one.braked_share * (one.traction.traction_force > 0.0)
+    brakes = blending()(
+        speed, each([0.0, 1.0, 0.0, 1.0]), each(list(train_vehicle.brake.values().values())), each(electric)
+    )
+    air = forces_of(train_vehicle.brake, np.full(SPEEDS.size, train_vehicle.distributor.full_pressure), SPEEDS)
+    weight = train_vehicle.mass * GRAVITY * train_vehicle.braked_share * (train_vehicle.traction.traction_force > 0.0)
     grips = weight * at_speed(SPEEDS) / at_speed(0.0)
     return np.vstack([np.asarray(pulls)[0], 0.0 * SPEEDS if wired else np.asarray(brakes)[0], air, grips])
 
@@ -103,10 +105,10 @@ def train_forces(consist: Consist) -> np.ndarray:
     """Return the sums of `_vehicle_forces` over a train, shape (4, n)."""
     found: dict[TrainVehicle, np.ndarray] = {}
     total = np.zeros((4, SPEEDS.size))
-    for one in consist.vehicles:
-        if one not in found:
-            found[one] = _vehicle_forces(one)
-        total += found[one]
+    for vehicle in consist.vehicles:
+        if vehicle not in found:
+            found[vehicle] = _vehicle_forces(vehicle)
+        total += found[vehicle]
     return total
 
 
@@ -125,7 +127,7 @@ def _check_stops(stops: Sequence[StationStop], apart: float) -> None:
                 f"stops must be at least 2 within = {apart:g} m apart; stop {number} is at {other.place:g} m, the one "
                 f"before at {one.place:g} m. Leave one out, or take a smaller within."
             )
-    times = [(n, time) for n, one in enumerate(stops, 1) for time in (one.arrival, one.departure) if time]
+    times = [(n, time) for n, stop in enumerate(stops, 1) for time in (stop.arrival, stop.departure) if time]
     for (before, early), (number, late) in pairwise(times):
         if late < early:
             raise ValueError(
@@ -137,7 +139,7 @@ def _check_stops(stops: Sequence[StationStop], apart: float) -> None:
 def _check_limits(limits: Sequence[tuple[float, float]]) -> None:
     """Raise ValueError if speed limits are not pairs of numbers, out of their limits, or at places that do not rise."""
     if not isinstance(limits, (list, tuple)) or not all(
-        isinstance(one, (list, tuple)) and len(one) == 2 for one in limits
+        isinstance(limit, (list, tuple)) and len(limit) == 2 for limit in limits
     ):
         raise ValueError(f"limits must be a list of pairs (place, speed); got {limits!r}. Write [(0, 20)] for 20 m/s.")
     for place, speed in limits:
@@ -259,7 +261,7 @@ class TimetableDriver:
             self.air, self._before, self._seen = hold(train), speed, train.time
             return
         motors, electric, full, grips = (float(np.interp(speed, SPEEDS, row)) for row in self._forces)
-        mass = sum((1 + one.rotating_share) * one.mass for one in train.consist.vehicles)
+        mass = sum((1 + vehicle.rotating_share) * vehicle.mass for vehicle in train.consist.vehicles)
         self._feel(train, mass, speed)
         aim, rate = self.target(front, train.consist.length, train.time, self._looks * speed * ANSWERS[self._wired])
         needed = mass * (rate * (speed > 0.9 * aim) + (aim - speed) / CORRECTS) - self.load
@@ -275,7 +277,7 @@ class TimetableDriver:
                 f"{name}, which releases wholly. Take ecp or uic."
             )
         forces = train_forces(train.consist)
-        self._wired = all(kind_of(one.distributor).wired for one in train.consist.vehicles)
+        self._wired = all(kind_of(vehicle.distributor).wired for vehicle in train.consist.vehicles)
         if not forces[0].any():
             raise ValueError("A driver by timetable must have a train with motors. State traction_force of a vehicle.")
         front, first = self.front(train), self.stops[0].place

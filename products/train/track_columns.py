@@ -19,22 +19,22 @@ FIELDS = {name: name for name in TRACK} | {"track_brake_pressure": "applied_belo
 def track_of(values: Mapping[str, Any], mass: float) -> TrackBrakes:
     """Return the track brakes of a row for a mass [kg]; without columns the vehicle has none. Raises ValueError."""
     stated = {FIELDS[name]: si(values, name) for name in TRACK if name in values}
-    one = TrackBrakes(**(NO_TRACK_BRAKES.values() | stated))
+    track_brakes = TrackBrakes(**(NO_TRACK_BRAKES.values() | stated))
     for low, high in (("magnetic_fast", "magnetic_friction"), ("magnetic_lift", "magnetic_from")):
-        if one.values()[low] > one.values()[high]:
+        if track_brakes.values()[low] > track_brakes.values()[high]:
             unit = TRACK[low].of_unit
             raise ValueError(
-                f"{low} must be at most {high}, {_in_column(one, high):g}{unit}; got {_in_column(one, low):g}{unit}. "
-                f"Decrease {low}, or increase {high}."
+                f"{low} must be at most {high}, {_in_column(track_brakes, high):g}{unit}; got "
+                f"{_in_column(track_brakes, low):g}{unit}. Decrease {low}, or increase {high}."
             )
-    for name, friction in (("magnetic_attraction", one.magnetic_friction), ("eddy_force", 1.0)):
+    for name, friction in (("magnetic_attraction", track_brakes.magnetic_friction), ("eddy_force", 1.0)):
         most = 1e-3 * MOST * mass / friction
         if values.get(name, 0.0) > most:
             raise ValueError(
                 f"{name} must be at most {most:.4g} kN, which brakes {1e-3 * mass:g} t with {MOST:g} m/s2; got "
                 f"{values[name]:g} kN. Decrease it."
             )
-    return one
+    return track_brakes
 
 
 def parking_of(values: Mapping[str, Any], mass: float) -> ParkingBrake:
@@ -47,8 +47,8 @@ def parking_of(values: Mapping[str, Any], mass: float) -> ParkingBrake:
     return ParkingBrake(parking_force=force, parking_time=time, parking_compounding=compounding)
 
 
-def _in_column(one: TrackBrakes, name: str) -> float:
-    return float(one.values()[FIELDS[name]]) / TRACK[name].scale
+def _in_column(track_brakes: TrackBrakes, name: str) -> float:
+    return float(track_brakes.values()[FIELDS[name]]) / TRACK[name].scale
 
 
 def row_of_track(track: TrackBrakes, parking: ParkingBrake) -> dict[str, Any]:

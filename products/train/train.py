@@ -60,7 +60,7 @@ def _place(name: str, value: int, count: int) -> None:
 def _recorded_of(consist: Consist) -> list[Array]:
     """Return the outputs that are recorded of a consist."""
     vehicles = consist.vehicles
-    heats = any(one.heat.heat_capacity > 0.0 for one in vehicles)
+    heats = any(vehicle.heat.heat_capacity > 0.0 for vehicle in vehicles)
     pulls = any(one.traction.traction_force > 0.0 for one in vehicles)
     drives = pulls or any(one.electric.dynamic_force > 0.0 for one in vehicles)
     tracks = any(one.track.magnetic_attraction + one.track.eddy_force > 0.0 for one in vehicles)
@@ -73,7 +73,7 @@ def idle_inputs(consist: Consist) -> dict[str, str]:
     """Return the inputs that no vehicle of a consist uses, and what it lacks."""
     vehicles = consist.vehicles
     uses = {
-        "traction": ("motors", any(one.traction.traction_force > 0.0 for one in vehicles)),
+        "traction": ("motors", any(vehicle.traction.traction_force > 0.0 for vehicle in vehicles)),
         "dynamic_brake": ("an electric brake", any(one.electric.dynamic_force > 0.0 for one in vehicles)),
         "track_brake": (
             "track brakes",
@@ -148,7 +148,9 @@ class Train:
             raise MemoryError(f"There is no memory for a train of {len(consist.vehicles)} vehicles; take fewer.")
         weakref.finalize(self, self._call.train_free, self._own)
         self._call.train_begin(self._own, 0.0, speed, distance, pipe + AMBIENT, cylinder + AMBIENT)
-        self.inputs = Inputs({one.name: self._view(self._call.train_input, row) for row, one in enumerate(INPUTS)})
+        self.inputs = Inputs(
+            {input_.name: self._view(self._call.train_input, row) for row, input_ in enumerate(INPUTS)}
+        )
         self._outputs = {name: self._view(self._call.train_output, row) for name, row in OUTPUT.items()}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
         self._recorded = _recorded_of(consist)
@@ -241,7 +243,7 @@ class Train:
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Set what may be set: outputs, inputs and misspelt names would have no effect. Raises AttributeError."""
-        inputs = [one.name for one in INPUTS]
+        inputs = [input_.name for input_ in INPUTS]
         if name in inputs and name not in OUTPUT:
             raise AttributeError(f"{name} must be set as an input. Write train.inputs[{name!r}] = ...")
         if name in OUTPUT or name in SUM:
@@ -330,7 +332,7 @@ class Train:
         `vehicle_pressures("auxiliary")` has the reservoirs of the vehicles [Pa, absolute].
         """
         known = list(DISTRIBUTORS.values())
-        kinds = [known.index(kind_of(one.distributor)) for one in self.consist.vehicles]
+        kinds = [known.index(kind_of(vehicle.distributor)) for vehicle in self.consist.vehicles]
         return Air(self._call, self._call.train_air(self._own), self._volumes, kinds)
 
     @property

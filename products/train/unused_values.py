@@ -19,8 +19,8 @@ EXHAUST = drivers_valve().exhaust_area
 
 def without_effect(consist: Consist, brake_model: str, cells: float) -> str:
     """Return a message about the first vehicle with a value that a brake model does not use; empty without one."""
-    for number, one in enumerate(consist.vehicles, 1):
-        name = _unused(one, brake_model, cells)
+    for number, vehicle in enumerate(consist.vehicles, 1):
+        name = _unused(vehicle, brake_model, cells)
         if name:
             model = f"brake_model = {brake_model} with {cells:g} cells a vehicle"
             take = "two cells" if name == "at" else "brake_model = whole"
@@ -28,24 +28,24 @@ def without_effect(consist: Consist, brake_model: str, cells: float) -> str:
     return ""
 
 
-def _unused(one: TrainVehicle, model: str, cells: float) -> str:
+def _unused(train_vehicle: TrainVehicle, model: str, cells: float) -> str:
     """Return the name of a vehicle's value that a brake model does not use."""
-    own = one.distributor
-    if one.distributor_at != MIDDLE and (model == "delay" or cells < 2.0):
+    own = train_vehicle.distributor
+    if train_vehicle.distributor_at != MIDDLE and (model == "delay" or cells < 2.0):
         return "at"
     if model != "whole" and isinstance(own, UicDistributor) and own.auxiliary_volume != AUXILIARY:
         return "auxiliary"
-    if one.coupler.strength < math.inf and (model == "delay" or cells < 1.0):
+    if train_vehicle.coupler.strength < math.inf and (model == "delay" or cells < 1.0):
         return "coupler_strength"
     if model != "delay":
         return ""
     if kind_of(own).assisted:
         return "distributor"
-    narrow = one.valve is not None and one.valve.exhaust_area != EXHAUST
+    narrow = train_vehicle.valve is not None and train_vehicle.valve.exhaust_area != EXHAUST
     found = {
         "exhaust": narrow,
-        "pipe_diameter": one.pipe_diameter != PIPE,
-        "leak": one.leak > 0.0,
-        "branch": one.branch > 0.0,
+        "pipe_diameter": train_vehicle.pipe_diameter != PIPE,
+        "leak": train_vehicle.leak > 0.0,
+        "branch": train_vehicle.branch > 0.0,
     }
     return next((name for name, is_stated in found.items() if is_stated), "")

@@ -30,15 +30,15 @@ class Taken:
 
     def arguments(self, values: ca.SX) -> ca.SX:
         """Return symbols of values by which the part is differentiated."""
-        return ca.vertcat(*[one if one.is_constant() else _added(one, self.given) for one in entries(values)])
+        return ca.vertcat(*[entry if entry.is_constant() else _added(entry, self.given) for entry in entries(values)])
 
     def constants(self, values: ca.SX) -> ca.SX:
         """Return symbols of values by which it is not differentiated, or only through `follow`."""
-        return ca.vertcat(*[one if one.is_constant() else _added(one, self.fixed) for one in entries(values)])
+        return ca.vertcat(*[entry if entry.is_constant() else _added(entry, self.fixed) for entry in entries(values)])
 
     def follow(self, symbols: ca.SX, given: ca.SX, slope: ca.SX) -> None:
         """Declare derivatives of constants by arguments, slope: shape (symbols, given); numbers remain numbers."""
-        changing = [n for n, one in enumerate(entries(symbols)) if not one.is_constant()]
+        changing = [n for n, entry in enumerate(entries(symbols)) if not entry.is_constant()]
         self.chain.follow(symbols[changing], given, ca.densify(slope[changing, :]))
 
     def value(self, size: Size) -> ca.SX:
@@ -87,7 +87,9 @@ def hold(loads: Loads, assembly: Assembly, upper: str, lower: str, connections: 
     taken, pose, boxed = Taken(assembly), loads.pose(upper, lower), loads.ends[lower].boxed
     inside = Loads(taken.chain, ends_in_part(taken, loads, upper, lower), poses_in_part(taken, loads, upper, lower))
     relation = inside.relation(upper, lower)
-    inside.push(upper, lower, relation, sum_of([connect_stateless(taken, one, relation) for one in connections]))
+    inside.push(
+        upper, lower, relation, sum_of([connect_stateless(taken, connection, relation) for connection in connections])
+    )
     (above,), (below,) = inside.of[upper], inside.of[lower]
     results = [above.force, above.moment, below.moment]
     results += [] if pose is HERE else [below.force]
@@ -108,7 +110,7 @@ def call(system: Chain, taken: Taken, results: ca.SX) -> list[ca.SX]:
     The part's name depends on its equations, so that all equal calls share one.
     """
     found = ca.densify(results)
-    varying = [n for n, one in enumerate(entries(found)) if not one.is_constant()]
+    varying = [n for n, entry in enumerate(entries(found)) if not entry.is_constant()]
     part = Part("suspension", *taken.both(1), found[varying], taken.chain)
     part = replace(part, name=f"suspension_{digest_of(_all_of_it(taken, part.results))}")
     part = next((one.part for one in system.calls if one.part.name == part.name), part)
@@ -128,7 +130,9 @@ def in_part(loads: Loads, upper: str, lower: str, connections: Sequence[Suspensi
     """Return true if a pair's connections are a part: at the planar level, section 5.2, a wheelset has few."""
     below = loads.ends[lower]
     simple = below.boxed and below.body.angles.is_constant() and loads.pose(upper, lower) is HERE
-    return not (loads.ends[upper].boxed or simple) and all(isinstance(one, STATELESS) for one in connections)
+    return not (loads.ends[upper].boxed or simple) and all(
+        isinstance(connection, STATELESS) for connection in connections
+    )
 
 
 def ends_in_part(taken: Taken, loads: Loads, upper: str, lower: str) -> dict[str, End]:
@@ -182,7 +186,7 @@ def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[in
         name = wheelset_name(number)
         ends[name] = end_of(assembly, name, wheelset, axles[number])
     loads = Loads(assembly.system, ends)
-    for upper, lower in dict.fromkeys((one.upper, one.lower) for one in vehicle.connections):
+    for upper, lower in dict.fromkeys((connection.upper, connection.lower) for connection in vehicle.connections):
         between = [one for one in vehicle.connections if (one.upper, one.lower) == (upper, lower)]
         if in_part(loads, upper, lower, between):
             hold(loads, assembly, upper, lower, between)

@@ -93,10 +93,10 @@ def _name(name: str) -> str:
     return "".join(letter if letter.isprintable() else " " for letter in name)[:200]
 
 
-def _places(one: Side) -> str:
+def _places(side: Side) -> str:
     return (
-        f"y = 0 of the wheel {1e3 * one.wheel_half_distance:.6g} mm and of the rail "
-        f"{1e3 * one.rail_half_distance:.6g} mm from the middle"
+        f"y = 0 of the wheel {1e3 * side.wheel_half_distance:.6g} mm and of the rail "
+        f"{1e3 * side.rail_half_distance:.6g} mm from the middle"
     )
 
 

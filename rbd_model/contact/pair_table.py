@@ -105,7 +105,7 @@ def pair_record(pair: Sides) -> Record:
     shifts = np.arange(-LARGEST_SHIFT, LARGEST_SHIFT + STAND_PITCH / 2, STAND_PITCH).tolist()
     stands = [stand_on_treads(pair, shift) for shift in shifts]
     middle = stand_on_treads(pair, 0.0)
-    height = lines(shifts, [one.height - middle.height for one in stands])
+    height = lines(shifts, [stand.height - middle.height for stand in stands])
     both = zip(pair.both, middle.position, strict=True)
     sides = tuple(side_record(one, place) for one, place in both)
     numbers = (pair.mean_radius, middle.height - pair.mean_radius)
@@ -127,76 +127,76 @@ def pieces_of(breakpoints: np.ndarray, coefficients: np.ndarray) -> Pieces:
     return tuple(breakpoints.tolist()), tuple(map(tuple, coefficients.tolist()))
 
 
-def side_record(one: Side, stands: float) -> Record:
+def side_record(side: Side, stands: float) -> Record:
     """Return the record of a wheel on its rail (section 4.3).
 
     stands: place where the wheel of a centred wheelset touches [m].
     """
     try:
-        patches = patches_of(one)
+        patches = patches_of(side)
     except ValueError as error:
         raise BadInputError(str(error)) from None
     if max(patch.slopes[1] for patch in patches) < TREAD_SLOPE:
         raise BadInputError(
-            f"A wheel of a contact table must have a flange; {one.wheel.name} on {one.rail.name} touches on its tread "
-            "alone at all shifts. Check gauge, flange back and the side of y that is turned to the middle of the track."
+            f"A wheel of a contact table must have a flange; {side.wheel.name} on {side.rail.name} touches on its "
+            "tread alone at all shifts. Check gauge, flange back and the side of y that is turned to the middle of the track."
         )
-    limits = *one.wheel.limits, *one.rail.limits
-    numbers = one.wheel_half_distance, one.rail_half_distance, *limits, *shape_at(one, stands)
-    every = list(zip(patches, patch_records(one), strict=True))
+    limits = *side.wheel.limits, *side.rail.limits
+    numbers = side.wheel_half_distance, side.rail_half_distance, *limits, *shape_at(side, stands)
+    every = list(zip(patches, patch_records(side), strict=True))
     lists = tuple(tuple(record for patch, record in every if patch.flange == asked) for asked in (False, True))
     return Record(SIDE, numbers, (), lists)
 
 
-def shape_at(one: Side, on_wheel: float) -> tuple[float, float, float]:
+def shape_at(side: Side, on_wheel: float) -> tuple[float, float, float]:
     """Return depth [m] and slope of a wheel at a place [m], and half the curvature of wheel and rail there, eq. (3.83).
 
     The rail's place is that of the wheel.
     """
     place = np.array(on_wheel)
-    depth, slope, bend = (float(one.wheel.height(place, n)) for n in range(3))
-    return depth, slope, (bend - float(one.rail.height(place, 2))) / (2 * math.sqrt(1 + slope**2) ** 3)
+    depth, slope, bend = (float(side.wheel.height(place, n)) for n in range(3))
+    return depth, slope, (bend - float(side.rail.height(place, 2))) / (2 * math.sqrt(1 + slope**2) ** 3)
 
 
 @lru_cache(maxsize=64)
-def patch_records(one: Side) -> tuple[Record, ...]:
+def patch_records(side: Side) -> tuple[Record, ...]:
     """Return the records of all patches of a wheel (section 9.4.1)."""
-    return tuple(patch_record(one, patch) for patch in patches_of(one))
+    return tuple(patch_record(side, patch) for patch in patches_of(side))
 
 
-def patch_record(one: Side, part: Part) -> Record:
+def patch_record(side: Side, part: Part) -> Record:
     """Return the record of a patch (section 9.4.1)."""
     if part.direction < 0.0:
         angle = math.degrees(part.direction)
         raise BadInputError(
-            f"At contact model 2 a tread must bear where it slopes by more than -20 degrees; {one.wheel.name} on "
-            f"{one.rail.name} bears at {angle:.0f} degrees. Change where they have y = 0, or {AT_MODEL_3}."
+            f"At contact model 2 a tread must bear where it slopes by more than -20 degrees; {side.wheel.name} on "
+            f"{side.rail.name} bears at {angle:.0f} degrees. Change where they have y = 0, or {AT_MODEL_3}."
         )
-    rigid = line_record(one, part)
-    bearing = bearing_of(contour_of(one, part), offsets_of(one))
+    rigid = line_record(side, part)
+    bearing = bearing_of(contour_of(side, part), offsets_of(side))
     tables = *rigid.tables[:2], pieces_of(*bearing.at_first), pieces_of(*bearing.in_contact)
     return Record(PATCH, rigid.numbers, tables)
 
 
-def line_record(one: Side, part: Part) -> Record:
+def line_record(side: Side, part: Part) -> Record:
     """Return the same of any part, with its rigid distance and nearest place alone (section 3.3.2)."""
-    offsets, contour = offsets_of(one), contour_of(one, part)
+    offsets, contour = offsets_of(side), contour_of(side, part)
     turned = math.cos(part.direction), math.sin(part.direction)
     gap, nearest = rigid_lines(contour, offsets)
-    middle = float(np.median(in_direction(nearest, one.wheel.height(nearest), part.direction)[0]))
+    middle = float(np.median(in_direction(nearest, side.wheel.height(nearest), part.direction)[0]))
     nothing: Pieces = ((0.0, 1.0), ((0.0,),))
     tables = lines_over(offsets, gap), lines_over(offsets, nearest), nothing, nothing
-    return Record(PATCH, (part.radius, *turned, middle, *flange_of_wheel(one), one.radius), tables)
+    return Record(PATCH, (part.radius, *turned, middle, *flange_of_wheel(side), side.radius), tables)
 
 
 @lru_cache
-def flange_of_wheel(one: Side) -> tuple[float, float]:
+def flange_of_wheel(side: Side) -> tuple[float, float]:
     """Return the places on a wheel [m] where its flange begins and where its steepest part begins (section 9.4.1).
 
     The flange is steeper than TREAD_SLOPE, its steepest part is within STEEP of its largest angle.
     """
-    place = np.arange(*one.wheel.limits, TABLE_PITCH)
-    angle = np.arctan(one.wheel.height(place, 1))
+    place = np.arange(*side.wheel.limits, TABLE_PITCH)
+    angle = np.arctan(side.wheel.height(place, 1))
     steepest = int(np.argmax(np.where(place < 0.0, angle, -np.inf)))
 
     def begins(least: float) -> float:

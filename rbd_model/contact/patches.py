@@ -70,21 +70,21 @@ class Part:
         return float(np.count_nonzero(np.isfinite(self.nearest)) - 1) * TABLE_PITCH
 
 
-def patches_of(one: Side) -> tuple[Part, ...]:
+def patches_of(side: Side) -> tuple[Part, ...]:
     """Return the parts of a wheel that are patches of contact model 2, from the field side on (section 9.4.1)."""
-    return parts_of(one, LEAST_RIDGE)
+    return parts_of(side, LEAST_RIDGE)
 
 
-def contour_of(one: Side, part: Part) -> Contour:
+def contour_of(side: Side, part: Part) -> Contour:
     """Return the points of a part and its rail in the axes of the part (section 3.3.2)."""
-    first, last = positions_of(one)[[part.first, part.last - 1]]
+    first, last = positions_of(side)[[part.first, part.last - 1]]
     place = np.arange(first, last, PATCH_PITCH * math.cos(part.direction))
-    depth = one.wheel.height(place)
-    return Contour(part.direction, place, *in_direction(place, depth, part.direction), depth, part.rail, one.radius)
+    depth = side.wheel.height(place)
+    return Contour(part.direction, place, *in_direction(place, depth, part.direction), depth, part.rail, side.radius)
 
 
 @lru_cache
-def parts_of(one: Side, least_ridge: float = 0.0, most: int | None = None) -> tuple[Part, ...]:
+def parts_of(side: Side, least_ridge: float = 0.0, most: int | None = None) -> tuple[Part, ...]:
     """Return the parts of a wheel from the field side to the flange, cut where the contact would jump (section 9.4.1).
 
     The nearest point of each part is followed over shifts of the wheel against its rail. It may jump while the part is
@@ -94,30 +94,30 @@ def parts_of(one: Side, least_ridge: float = 0.0, most: int | None = None) -> tu
     each of them travels far enough, and until they are at most `most`. A part beyond the first one of the flange
     belongs to the flange, however flat it is: it is the flange's tip.
     """
-    s = positions_of(one)
-    gaps = gaps_of(one, s)
+    s = positions_of(side)
+    gaps = gaps_of(side, s)
     cuts, whole = [], [(0, s.size)]
     while whole:
         first, last = whole.pop()
-        cut = ridge(one, s, gaps, first, last, least_ridge)
+        cut = ridge(side, s, gaps, first, last, least_ridge)
         if cut is None:
             cuts.append((first, last))
         else:
             whole += [(first, cut), (cut, last)]
-    parts = [follow(one, s, gaps, *ends) for ends in sorted(cuts, reverse=True)]
-    join_tip(one, s, gaps, parts)
+    parts = [follow(side, s, gaps, *ends) for ends in sorted(cuts, reverse=True)]
+    join_tip(side, s, gaps, parts)
     while len(parts) > 1 and (min(part.travel for part in parts) < LEAST_TRAVEL or len(parts) > (most or len(parts))):
-        join_shortest(one, s, gaps, parts)
+        join_shortest(side, s, gaps, parts)
     if parts[0].travel < LEAST_TRAVEL:
         raise ValueError(
-            f"{one.wheel.name} must touch {one.rail.name} beside the ends of its profile over at least"
+            f"{side.wheel.name} must touch {side.rail.name} beside the ends of its profile over at least"
             f" {1e3 * LEAST_TRAVEL:g} mm of shift; it does not. Give longer profiles, or change where they have y = 0."
         )
     first = next((place for place, part in enumerate(parts) if part.flange), len(parts))
     return tuple(replace(part, flange=place >= first) for place, part in enumerate(parts))
 
 
-def join_shortest(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]) -> None:
+def join_shortest(side: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]) -> None:
     """Join the part that travels least to the shorter of its neighbours. Tread and flange are joined last.
 
     This is a decision of this project, for contours on which a jump is shorter than the contact is wide
@@ -127,10 +127,10 @@ def join_shortest(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[
     beside = [place for place in (at - 1, at + 1) if 0 <= place < len(parts)]
     other = min(beside, key=lambda place: (parts[place].flange != parts[at].flange, parts[place].travel))
     low, high = sorted((at, other))
-    parts[low : high + 1] = [follow(one, s, gaps, parts[high].first, parts[low].last)]
+    parts[low : high + 1] = [follow(side, s, gaps, parts[high].first, parts[low].last)]
 
 
-def join_tip(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]) -> None:
+def join_tip(side: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]) -> None:
     """Join the parts beyond the steepest one of a flange to it: where they bear, the wheel climbs over its flange.
 
     This is a decision of this project (section 9.4.1). The end of the last part is thus that of the flange.
@@ -139,42 +139,42 @@ def join_tip(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]
     if parts[at].direction < TREAD_SLOPE or at == len(parts) - 1:
         return
     direction = (parts[at].direction + max(parts[-1].direction, TREAD_SLOPE)) / 2
-    parts[at:] = [follow(one, s, gaps, parts[-1].first, parts[at].last, direction)]
+    parts[at:] = [follow(side, s, gaps, parts[-1].first, parts[at].last, direction)]
 
 
-def positions_of(one: Side) -> np.ndarray:
+def positions_of(side: Side) -> np.ndarray:
     """Return the points of the wheel's profile that are searched [m] (section 4.3)."""
-    return np.arange(one.wheel.limits[0] + SEARCH_PITCH, one.wheel.limits[1] - SEARCH_PITCH, SEARCH_PITCH)
+    return np.arange(side.wheel.limits[0] + SEARCH_PITCH, side.wheel.limits[1] - SEARCH_PITCH, SEARCH_PITCH)
 
 
-def offsets_of(one: Side) -> np.ndarray:
+def offsets_of(side: Side) -> np.ndarray:
     """Return the searched offsets of the wheel's y = 0 from the rail's [m] (3.77).
 
     Profiles may have any origin. The offsets therefore extend by REACH beyond 0 and beyond the offset of a centred
     wheelset.
     """
-    apart = one.wheel_half_distance - one.rail_half_distance
+    apart = side.wheel_half_distance - side.rail_half_distance
     if not abs(apart) <= LARGEST_APART:
         raise ValueError(
             f"The half distances of a wheel and of its rail must be within {LARGEST_APART:g} m of each other; got "
-            f"{one.wheel_half_distance:g} and {one.rail_half_distance:g} m. Give both in metres."
+            f"{side.wheel_half_distance:g} and {side.rail_half_distance:g} m. Give both in metres."
         )
-    centred = (one.wheel_half_distance - one.rail_half_distance) / TABLE_PITCH
+    centred = (side.wheel_half_distance - side.rail_half_distance) / TABLE_PITCH
     first, last = math.floor(min(centred, 0.0)) * TABLE_PITCH, math.ceil(max(centred, 0.0)) * TABLE_PITCH
     return np.arange(first - REACH, last + REACH, TABLE_PITCH)
 
 
-def gaps_of(one: Side, s: np.ndarray) -> list[np.ndarray]:
+def gaps_of(side: Side, s: np.ndarray) -> list[np.ndarray]:
     """Return the height of the wheel's contour over the rail's at the positions s [m], for each offset (3.77), (3.78).
 
     It is infinite beside the rail.
     """
-    heights = one.wheel.height(s)
-    gaps = (heights - one.rail.height(s + offset) for offset in offsets_of(one))
+    heights = side.wheel.height(s)
+    gaps = (heights - side.rail.height(s + offset) for offset in offsets_of(side))
     return [np.where(np.isfinite(gap), gap, np.inf) for gap in gaps]
 
 
-def ridge(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int, least: float) -> int | None:
+def ridge(side: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int, least: float) -> int | None:
     """Return the index at which to cut a part whose nearest point jumps, or None: the highest point of the jump.
 
     least [m]: height of the ridge over both places, square to the steeper one, below which the part is not cut.
@@ -183,18 +183,18 @@ def ridge(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: in
     jump from one arc to another by the difference of both. The jump is relevant if wheelsets that roll by up to TILT
     reach it.
     """
-    offsets, own = offsets_of(one), np.array([gap[first:last] for gap in gaps])
+    offsets, own = offsets_of(side), np.array([gap[first:last] for gap in gaps])
     places = np.argmin(own, axis=1)
     inside = (places > 0) & (places < own.shape[1] - 1)
     bears = inside & (np.min(own, axis=1) < np.array([np.min(gap) for gap in gaps]) + RELEVANT)
     jumps = inside[1:] & inside[:-1] & (np.abs(np.diff(s[first + places])) > JUMP)
     for after in 1 + np.flatnonzero(jumps):
-        both = [1 / max(rail_bend(one, s[first + places[i]] + offsets[i]), LEAST_BEND) for i in (after - 1, after)]
+        both = [1 / max(rail_bend(side, s[first + places[i]] + offsets[i]), LEAST_BEND) for i in (after - 1, after)]
         reached = TILT * abs(both[1] - both[0])
         near = (offsets[after - 1] - reached <= offsets) & (offsets <= offsets[after] + reached)
         if np.any(bears & near):
             low, high = sorted(places[after - 1 : after + 1])
-            steep = float(np.max(np.abs(one.wheel.height(s[[first + low, first + high]], 1))))
+            steep = float(np.max(np.abs(side.wheel.height(s[[first + low, first + high]], 1))))
             if ridge_height(own[after - 1 : after + 1], low, high) >= least * math.sqrt(1 + steep**2):
                 return first + low + int(np.argmax(own[after, low:high]))
     return None
@@ -213,13 +213,15 @@ def ridge_height(gaps: np.ndarray, low: int, high: int) -> float:
     return float(np.interp(share, [0.0, 1.0], tops - ends[:, 0]))
 
 
-def rail_bend(one: Side, y: float) -> float:
+def rail_bend(side: Side, y: float) -> float:
     """Curvature of a rail's contour [1/m], positive where it is a head's (3.83)."""
-    slope, bend = (float(one.rail.height(np.array(y), n)) for n in (1, 2))
+    slope, bend = (float(side.rail.height(np.array(y), n)) for n in (1, 2))
     return -bend / (1 + slope**2) ** 1.5
 
 
-def bearing(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> tuple[list[float], list[float]]:
+def bearing(
+    side: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int
+) -> tuple[list[float], list[float]]:
     """Slopes of the wheel [rad] and curvatures of the rail [1/m] (3.83) where a part is nearest and bears.
 
     Those of a part that bears only on a rolling wheelset are taken where it is nearest to bearing.
@@ -230,29 +232,29 @@ def bearing(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: 
     ]
     most = max(RELEVANT, math.nextafter(min(above), math.inf))
     slopes, bends = [], []
-    for offset, here, more in zip(offsets_of(one), places, above, strict=True):
+    for offset, here, more in zip(offsets_of(side), places, above, strict=True):
         if more < most and more < math.inf:
-            slopes.append(math.atan(float(one.wheel.height(s[here], 1))))
-            bends.append(rail_bend(one, s[here] + offset))
+            slopes.append(math.atan(float(side.wheel.height(s[here], 1))))
+            bends.append(rail_bend(side, s[here] + offset))
     return slopes, bends
 
 
 def follow(
-    one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int, direction: float | None = None
+    side: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int, direction: float | None = None
 ) -> Part:
     """Follow the nearest place of the points `first` to `last` of the wheel's profile (section 3.3.2).
 
     Described along `direction` [rad], by default the slope of the wheel in the middle of where it bears; level for a
     tread, which lies over its rail.
     """
-    slopes, bends = bearing(one, s, gaps, first, last)
+    slopes, bends = bearing(side, s, gaps, first, last)
     middle = direction if direction is not None else (min(slopes) + max(slopes)) / 2 if slopes else 0.0
     direction = 0.0 if abs(middle) < TREAD_SLOPE else middle
     radius = 1 / max(float(np.median(bends)), LEAST_BEND) if bends else 0.0
-    rail = turned(one.rail, direction)
+    rail = turned(side.rail, direction)
     inside = np.arange(s[first] + SEARCH_PITCH, s[last - 1] - SEARCH_PITCH, SEARCH_PITCH)
-    along, square = in_direction(inside, one.wheel.height(inside), direction)
-    offsets = offsets_of(one)
+    along, square = in_direction(inside, side.wheel.height(inside), direction)
+    offsets = offsets_of(side)
     found = np.full(offsets.size, np.nan)
     for i, offset in enumerate(offsets):
         gap = square - rail.height(along + offset)

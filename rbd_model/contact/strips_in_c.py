@@ -34,7 +34,7 @@ KALKER_ERROR = 0.015
 LARGEST_LOGARITHM, LEAST_COMPLEMENT = math.log(30.0), 1e-9
 
 
-def wheel_on_strips(one: Side, poisson_ratio: float = POISSON_RATIO) -> Part:
+def wheel_on_strips(side: Side, poisson_ratio: float = POISSON_RATIO) -> Part:
     """Return the part of a wheel on its rail: the forces of each segment, from the flange outwards, and the contact's
     place.
 
@@ -42,7 +42,7 @@ def wheel_on_strips(one: Side, poisson_ratio: float = POISSON_RATIO) -> Part:
     differ only in them share it. poisson_ratio: that of Kalker's coefficients; the normal force takes it from the
     constants.
     """
-    return part_of_contours(one.wheel, one.rail, tuple(segments_of(one)), poisson_ratio)
+    return part_of_contours(side.wheel, side.rail, tuple(segments_of(side)), poisson_ratio)
 
 
 @lru_cache
@@ -51,7 +51,7 @@ def part_of_contours(
 ) -> Part:
     """Return the part of all wheels with these contours, Knothe and Le The (1984); its name depends on them."""
     numbers = [np.ravel(segments), *wheel.pieces, *rail.pieces]
-    content = np.concatenate([np.ravel(one) for one in numbers]).tobytes()
+    content = np.concatenate([np.ravel(number) for number in numbers]).tobytes()
     name = f"wheel_on_strips_{hashlib.sha256(content).hexdigest()[:8]}"
     own = f"""
 {contour_in_c(f"{name}_wheel", wheel)}
@@ -69,14 +69,14 @@ static void {name}(const double *arguments, const double *constants, double *res
     return part_in_c(name, counts, own, f"{common}\n{fits_in_c(poisson_ratio)}")
 
 
-def segments_of(one: Side) -> list[tuple[float, float]]:
+def segments_of(side: Side) -> list[tuple[float, float]]:
     """Return the ends [m] of the parts of a wheel's contour between which contact jumps, from the flange outwards.
 
     Section 9.4.1. There are at most MOST_SEGMENTS, which strips.c supports. Each begins at the end of the one before,
     so that strips of both leave no gap.
     """
-    s = positions_of(one)
-    parts = reversed(parts_of(one, most=MOST_SEGMENTS))
+    s = positions_of(side)
+    parts = reversed(parts_of(side, most=MOST_SEGMENTS))
     limits = [(float(s[part.first]), float(s[part.last - 1])) for part in parts]
     return [(low, limits[i + 1][0] if i + 1 < len(limits) else high) for i, (low, high) in enumerate(limits)]
 

@@ -96,7 +96,7 @@ def model_of_levels(name: str, text: str, vehicle: Vehicle, places: Sequence[int
         *([PAIR_FILE.variable] if any(system.record_file for system in systems) else []),
         *integration_variables(DEFAULT_TOLERANCE),
     )
-    relations = relations_of(vehicle, [one.name for one in parameters])
+    relations = relations_of(vehicle, [parameter.name for parameter in parameters])
     names = tuple(one.name for one in chosen_by)
     choice = choice_of(places, int(chosen_by[0].maximum), on_line)
     return Model(name, text, table, systems, names, choice, stop_time=25.0, relations=relations)

@@ -317,7 +317,9 @@ class Line:
         rows = np.sort([*own, *at[gaps >= LINE.least_growth]])
         columns = {"distance": rows, **{name: np.zeros_like(rows) for name in ("curvature", "cant", "gradient")}}
         columns |= {name: np.interp(rows, own, values) for name, values in self.rows.items() if name != "distance"}
-        return Line(columns | {name: np.interp(rows, at, one) for name, one in zip(FRICTIONS, factors, strict=True)})
+        return Line(
+            columns | {name: np.interp(rows, at, factor) for name, factor in zip(FRICTIONS, factors, strict=True)}
+        )
 
     def breaks(self) -> np.ndarray:
         """Return the places between which every column is one polynomial: rows, and where rounding ends.

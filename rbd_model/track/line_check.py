@@ -186,11 +186,11 @@ def _jumps(at: Numbers, values: Numbers, least: float) -> list[Extreme]:
     change = np.interp(middles + ROUNDING, at, values) - np.interp(middles - ROUNDING, at, values)
     found: list[Extreme] = []
     for place in np.flatnonzero(np.abs(change) >= least).tolist():
-        one = Extreme(float(change[place]), float(middles[place]))
-        if found and one.place - found[-1].place <= 4.0 * ROUNDING:
-            found[-1] = max(found[-1], one, key=lambda each: abs(each.value))
+        extreme = Extreme(float(change[place]), float(middles[place]))
+        if found and extreme.place - found[-1].place <= 4.0 * ROUNDING:
+            found[-1] = max(found[-1], extreme, key=lambda each: abs(each.value))
         else:
-            found.append(one)
+            found.append(extreme)
     return found
 
 

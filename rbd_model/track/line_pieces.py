@@ -67,7 +67,7 @@ def line_of_alignment(alignment: Alignment) -> SourcedLine:
     In an alignment whose lengths are those of the plan, distance, curvature and gradient are converted to those along
     the line.
     """
-    courses = [course(one, alignment.begin, alignment.end) for one in _quantities(alignment)]
+    courses = [course(quantity, alignment.begin, alignment.end) for quantity in _quantities(alignment)]
     for name, (at, values) in zip(("curvature", "cant", "gradient"), courses, strict=True):
         sized = values / np.hypot(1.0, values) if alignment.in_plan and name == "gradient" else values
         _check({"distance": at, name: sized}, alignment.source)

@@ -218,7 +218,7 @@ def _slackened(curve: Curve, slack: float, sticking_stiffness: float) -> Curve:
 
 
 def with_numbers(
-    one: Coupler,
+    coupler: Coupler,
     stiffness: float | None = None,
     preload: float = 0.0,
     slack: float | None = None,
@@ -229,8 +229,8 @@ def with_numbers(
 
     Takes stiffness [N/m], preload [N], slack [m], strength [N].
     """
-    sticking = one.sticking_stiffness if stiffness is None else max(one.sticking_stiffness, stiffness)
-    tension, compression = one.tension, one.compression
+    sticking = coupler.sticking_stiffness if stiffness is None else max(coupler.sticking_stiffness, stiffness)
+    tension, compression = coupler.tension, coupler.compression
     touches = compression[0].forces[0] > 0.0
     if stiffness is not None:
         plain = _straight(stiffness, preload, slack or 0.0, sticking)
@@ -242,7 +242,7 @@ def with_numbers(
     if damping is not None:
         tension = tension[0], _scaled(tension[0], 1.0 - damping)
         compression = compression[0], _scaled(compression[0], 1.0 - damping)
-    found = replace(one, sticking_stiffness=sticking, tension=tension, compression=compression)
+    found = replace(coupler, sticking_stiffness=sticking, tension=tension, compression=compression)
     return replace(found, strength=strength)
 
 
@@ -292,5 +292,5 @@ def fastest(couplers: Sequence[Coupler], masses: Sequence[float]) -> float:
     An explicit step is stable up to 2 over it, as central differences are (Hairer, Lubich and Wanner, Geometric
     Numerical Integration, section I.1).
     """
-    stiff = [0.0, *(one.sticking_stiffness for one in couplers), 0.0]
+    stiff = [0.0, *(coupler.sticking_stiffness for coupler in couplers), 0.0]
     return float(max(2 * (stiff[n] + stiff[n + 1]) / mass for n, mass in enumerate(masses)) ** 0.5)

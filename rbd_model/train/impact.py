@@ -38,17 +38,17 @@ def energy_at(bends: Bends, way: float) -> float:
     return sum(change * max(way - at, 0.0) ** 2 / 2 for at, change in bends)
 
 
-def impact(one: Coupler, masses: tuple[float, float], speed: float, sense: str = "compression") -> Impact:
+def impact(coupler: Coupler, masses: tuple[float, float], speed: float, sense: str = "compression") -> Impact:
     """Return the impact of two vehicles that are free otherwise (Wu, Spiryagin and Cole (2016)).
 
     Takes masses [kg], speed [m/s].
     """
-    loading, unloading = one.bends(sense)
+    loading, unloading = coupler.bends(sense)
     reduced = masses[0] * masses[1] / (masses[0] + masses[1])
     taken = reduced * speed**2 / 2
     travel = _travel(loading, taken)
     force = force_at(loading, travel)
-    returned = _returned(unloading, one.sticking_stiffness, travel, force)
+    returned = _returned(unloading, coupler.sticking_stiffness, travel, force)
     return Impact(travel, force, taken, returned, math.sqrt(2 * returned / reduced))
 
 
@@ -88,9 +88,11 @@ class Capacity:
     absorbed: float
 
 
-def capacity(one: Coupler, sense: str = "compression") -> Capacity:
+def capacity(coupler: Coupler, sense: str = "compression") -> Capacity:
     """Return the capacity of a coupler in one sense, to the end of its curves (Wu, Spiryagin and Cole (2016))."""
-    loading, unloading = one.bends(sense)
-    stroke = max(curve.ways[-1] for curve in getattr(one, sense))
+    loading, unloading = coupler.bends(sense)
+    stroke = max(curve.ways[-1] for curve in getattr(coupler, sense))
     force, energy = force_at(loading, stroke), energy_at(loading, stroke)
-    return Capacity(stroke, force, energy, 1.0 - _returned(unloading, one.sticking_stiffness, stroke, force) / energy)
+    return Capacity(
+        stroke, force, energy, 1.0 - _returned(unloading, coupler.sticking_stiffness, stroke, force) / energy
+    )

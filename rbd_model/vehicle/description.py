@@ -509,7 +509,11 @@ class Vehicle:
     @property
     def carrying(self) -> list[Springs | TableSpring]:
         """The connections that have a preload."""
-        return [one for one in self.connections if isinstance(one, Springs | TableSpring) and one.carries]
+        return [
+            connection
+            for connection in self.connections
+            if isinstance(connection, Springs | TableSpring) and connection.carries
+        ]
 
 
 def check(vehicle: Vehicle) -> None:
@@ -579,9 +583,9 @@ def _sizes(vehicle: Vehicle) -> Iterator[tuple[str, str, Size]]:
 def _references(vehicle: Vehicle, ends: list[str]) -> Iterator[tuple[str, str, list[str]]]:
     """Yield each reference to a part: its user, the name that it uses, and the possible names."""
     bodies = [body.name for body in vehicle.bodies]
-    for one in vehicle.connections:
-        yield f"the connection {one.name}", one.upper, ends
-        yield f"the connection {one.name}", one.lower, ends
+    for connection in vehicle.connections:
+        yield f"the connection {connection.name}", connection.upper, ends
+        yield f"the connection {connection.name}", connection.lower, ends
     for number, wheelset in vehicle.numbered:
         yield f"{wheelset_name(number)}, which reacts on a body,", wheelset.reacts_on, bodies
     for pull in vehicle.pulls:

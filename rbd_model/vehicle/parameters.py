@@ -345,13 +345,15 @@ def one_bogie_of(vehicle: VehicleParameters) -> BogieParameters:
     between the bogies, the secondary springs, and that the body cannot pitch with a bogie. `vehicle-or-bogie` shows the
     resulting error.
     """
-    own = BogieParameters(**{name: value for name, value in vehicle.values().items() if name in BOGIE_NAMES})
+    bogie_parameters = BogieParameters(
+        **{name: value for name, value in vehicle.values().items() if name in BOGIE_NAMES}
+    )
     mass = vehicle.frame_mass + vehicle.body_mass / 2
     height = (vehicle.frame_mass * vehicle.frame_height + vehicle.body_mass / 2 * vehicle.secondary_height) / mass
     arms = vehicle.frame_height - height, vehicle.secondary_height - height
     pitch = vehicle.frame_mass * arms[0] ** 2 + vehicle.body_mass / 2 * arms[1] ** 2
     return replace(
-        own,
+        bogie_parameters,
         frame_mass=mass,
         frame_height=height,
         frame_roll_inertia=vehicle.frame_roll_inertia + vehicle.body_roll_inertia / 2,

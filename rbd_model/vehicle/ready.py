@@ -62,7 +62,11 @@ def two_axle_bogie(parameters: BogieParameters | None = None) -> Vehicle:
         parameters or tables_5_1_and_5_2(),
         (sprung_mass("frame", "sprung mass", plain=("bounce", "pitch")),),
         tuple(Wheelset(along, "frame") for along in places.values()),
-        tuple(one for number, along in places.items() for one in axle_box_springs("frame", number, along)),
+        tuple(
+            axle_box_spring
+            for number, along in places.items()
+            for axle_box_spring in axle_box_springs("frame", number, along)
+        ),
         (DRAWBAR,),
     )
 

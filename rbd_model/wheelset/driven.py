@@ -158,7 +158,7 @@ def driven_wheelset(name: str, defaults: DrivenParameters, motor: Motor, elastic
     motions = [one for pair in zip(groups, held, strict=True) for one in _turn(system, p, bodies, *pair, slides)]
     _move(system, p, speed, moves * (creep[0] + creep[1] - resistance))
     _add_rotor(system, p["gear_ratio"] * turning[0], bodies[0].torque * turning[0])
-    _add_wheels(system, p["wheel_radius"], turning[1:], sliding, [one.force for one in motions[1:]])
+    _add_wheels(system, p["wheel_radius"], turning[1:], sliding, [motion.force for motion in motions[1:]])
     _add_locks(system, motions, slides)
     _add_shafts(system, [twist for twist, _ in twists], _shaft_torques(p, bodies, motions, elastic, shafts))
     return system
@@ -172,8 +172,8 @@ def _wheel_inputs(system: System) -> tuple[list[ca.SX], list[ca.SX]]:
         brakes.append(system.input(Variable(f"brake_torque_{number}", "input", "N.m", text, 0.0, 0.0)))
     for number, place in WHEELS.items():
         text = f"Wheel-rail friction coefficient under {place}, without sliding"
-        one = Variable(f"friction_{number}", "input", "1", text, dry().friction, 0.0, HIGHEST_FRICTION)
-        friction.append(system.input(one))
+        variable = Variable(f"friction_{number}", "input", "1", text, dry().friction, 0.0, HIGHEST_FRICTION)
+        friction.append(system.input(variable))
     return brakes, friction
 
 
@@ -186,7 +186,7 @@ def _parameters(system: System, defaults: DrivenParameters) -> dict[str, ca.SX]:
     variables += [contact.variable(name) for name in CONTACT]
     law: FallingFriction = dry().law
     variables += [law.variable(name) for name in law.values()]
-    return {one.name: system.parameter(one) for one in variables}
+    return {variable.name: system.parameter(variable) for variable in variables}
 
 
 def _shared(elastic: Sequence[bool]) -> list[int]:
@@ -270,7 +270,9 @@ def _groups(
     found, passed = [], [ca.SX(0), *shafts, ca.SX(0)]
     for place, state in omega.items():
         own = [n for n, one in enumerate(shared) if one == place]
-        whole = _Body(**{one.name: ca.SX(sum(getattr(bodies[n], one.name) for n in own)) for one in fields(_Body)})
+        whole = _Body(
+            **{field.name: ca.SX(sum(getattr(bodies[n], field.name) for n in own)) for field in fields(_Body)}
+        )
         outside = whole.torque + passed[own[0]] - passed[own[-1] + 1]
         wheels = [n for n in own if n in WHEELS]
         turning = system.direction(f"direction_{wheels[0]}") if wheels else ca.SX(1)
@@ -286,7 +288,7 @@ def _stand(
     It is that of `stand_still`, third line of (2.8): each group holds by its `Grip`, in proportion to its maximum. Only
     a rigid axle holds: on an elastic one, whose twist moves wheels and vehicle by micrometres, holds would chatter.
     """
-    if not any(len(one.wheels) == len(WHEELS) for one in groups):
+    if not any(len(group.wheels) == len(WHEELS) for group in groups):
         return ca.SX(1), [ca.SX(0) for _ in groups]
     radius, moving = described.parameter["wheel_radius"], described.system.direction("moving")
     grips = []

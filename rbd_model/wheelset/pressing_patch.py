@@ -106,7 +106,7 @@ class WheelPress(Bundle):
     @classmethod
     def of_patches(cls, patches: Sequence[Press], flanges: Sequence[ca.SX | float]) -> WheelPress:
         """flanges: share of the flange in each patch."""
-        flange = [share * one.force[1] for one, share in zip(patches, flanges, strict=True)]
+        flange = [share * patch.force[1] for patch, share in zip(patches, flanges, strict=True)]
 
         def total(name: str) -> ca.SX:
             return sum((getattr(one, name) for one in patches[1:]), getattr(patches[0], name))

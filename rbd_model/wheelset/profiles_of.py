@@ -83,8 +83,8 @@ def record_of(assembly: Assembly, number: int, path: Sequence[tuple[int, int]] =
 
     Section 4.3. path, name: as `System.of_record` has them.
     """
-    own = OwnRecord(pair_record, assembly.vehicle.wheelsets[number - 1].pair)
-    return assembly.system.of_record(PAIR_FILE, own, path, name, root=number - 1)
+    own_record = OwnRecord(pair_record, assembly.vehicle.wheelsets[number - 1].pair)
+    return assembly.system.of_record(PAIR_FILE, own_record, path, name, root=number - 1)
 
 
 def profiles_of_record(assembly: Assembly, number: int) -> ProfilesOf:

@@ -50,7 +50,7 @@ def sinking(assembly: Assembly, number: int, profiles: ProfilesOf) -> ca.SX:
     if profiles.sides[0].record is None:
         return sunk
     place = ca.SX(0), assembly.radius(data) + profiles.lift - sunk, ca.SX(0), profiles.stand(ca.SX(0))[1]
-    lifts = [rest_of_wheel(assembly, number, index, one, place) for index, one in enumerate(profiles.sides)]
+    lifts = [rest_of_wheel(assembly, number, index, side, place) for index, side in enumerate(profiles.sides)]
     return sunk - sum(lifts) / 2
 
 
@@ -63,13 +63,13 @@ def static_load(assembly: Assembly, number: int) -> ca.SX:
     return (carried + assembly.value(data.mass) * assembly.parameter["gravity"]) / 2
 
 
-def sinking_of_wheel(one: SideOf, radius: ca.SX, load: ca.SX, modulus: ca.SX, poisson_ratio: float) -> ca.SX:
+def sinking_of_wheel(side_of: SideOf, radius: ca.SX, load: ca.SX, modulus: ca.SX, poisson_ratio: float) -> ca.SX:
     """Return the approach of a wheel in contact where a centred wheelset stands [m], by Hertz, Johnson (1985).
 
     The load is carried by the normal force and, on a cone, by the lateral creep force of spin (3.99). For a rolling
     wheel the two are proportional.
     """
-    depth, slope, curvature = one.shape
+    depth, slope, curvature = side_of.shape
     secant, rolling = ca.sqrt(1 + slope**2), radius - depth
     shape = 1 / (2 * rolling * secant), ca.SX(curvature)
     logarithm, semi_axis = moving_ellipse(*shape, ca.SX(1.0), modulus, poisson_ratio)
@@ -81,16 +81,16 @@ def sinking_of_wheel(one: SideOf, radius: ca.SX, load: ca.SX, modulus: ca.SX, po
     return secant * (normal / stiffness) ** (2 / 3)
 
 
-def rest_of_wheel(assembly: Assembly, number: int, index: int, one: SideOf, place: Sequence[ca.SX]) -> ca.SX:
+def rest_of_wheel(assembly: Assembly, number: int, index: int, side_of: SideOf, place: Sequence[ca.SX]) -> ca.SX:
     """Return how far the wheel `index` (0: left) must rise to carry its static load [m] where a wheelset is centred.
 
     Section 4.3. place: lateral displacement, height over the rails [m], yaw and roll.
     """
     data, modulus = assembly.vehicle.wheelsets[number - 1], assembly.parameter["shear_modulus"]
-    assert one.record is not None
-    distances = ca.SX(one.wheel_half_distance), ca.SX(one.rail_half_distance)
+    assert side_of.record is not None
+    distances = ca.SX(side_of.wheel_half_distance), ca.SX(side_of.rail_half_distance)
     wheel = Wheel(ca.SX(list(SIDES)[index]), assembly.value(data.radius[index]), *distances)
-    given = ca.vertcat(*place, direction_cosines(*place[2:]), wheel.vector, modulus, one.record)
+    given = ca.vertcat(*place, direction_cosines(*place[2:]), wheel.vector, modulus, side_of.record)
     load = static_load(assembly, number)
     return assembly.system.call(lift_of_wheel_at_rest(assembly.contact), ca.SX(0, 1), ca.vertcat(given, load))
 
@@ -200,7 +200,7 @@ def stand_at_start(
     rails in proportion to their distance below its centre.
     """
     lateral, left, right = ca.vertsplit(at_start(assembly.system, ca.vertcat(on.offset, on.heights)))
-    leaning = (left - right) / sum(one.rail_half_distance for one in profiles.sides)
+    leaning = (left - right) / sum(side.rail_half_distance for side in profiles.sides)
     lateral += profiles.mean_radius * leaning
 
     def rise() -> ca.SX:
@@ -224,7 +224,7 @@ def press_at_start(
     """
     system, load = assembly.system, static_load(assembly, number)
     part = lift_of_wheel_at_start(assembly.contact, assembly.on_line)
-    apart = sum(one.rail_half_distance for one in profiles.sides)
+    apart = sum(side.rail_half_distance for side in profiles.sides)
     for _ in range(TILTS):
         left, right = (system.call(part, ca.SX(0, 1), ca.vertcat(at_start(system, one), load)) for one in given)
         for state, moved in zip(standing, ((left + right) / 2, (left - right) / apart), strict=True):

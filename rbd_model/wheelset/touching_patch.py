@@ -26,7 +26,7 @@ from rbd_model.wheelset.touch import Placement, Wheel, follow_cosines, touch_at
 
 #: Numbers of a `pair_table.PATCH`, and places of its tables with the terms of a piece.
 NUMBERS = [one.name for one in PATCH.numbers]
-TABLES = {one.name: (place, 1 + one.degree) for place, one in enumerate(PATCH.tables)}
+TABLES = {table.name: (place, 1 + table.degree) for place, table in enumerate(PATCH.tables)}
 #: Places of the quantities of each approach in the table `in_contact`.
 STARTS = [len(IN_CONTACT) * place for place in range(len(APPROACHES))]
 #: Exponent of the wheel's radius in Hertz' stiffness, for A near B (Johnson 1985, section 4.2).
@@ -252,7 +252,7 @@ class Energy:
         share = ca.fmin(ca.fmax((light.approach - low) / (high - low), 0), 1)
         part, growing = share**2 * (3 - 2 * share), 6 / (high - low) * share * (1 - share)
         passing = growing * (usual.stored - light.stored)
-        pairs = ((getattr(light, one.name), getattr(usual, one.name)) for one in fields(cls))
+        pairs = ((getattr(light, field.name), getattr(usual, field.name)) for field in fields(cls))
         found = cls(*(first + part * (second - first) for first, second in pairs))
         return replace(found, by_offset=found.by_offset + passing * light.steep, by_square=found.by_square + passing)
 

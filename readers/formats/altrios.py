@@ -103,7 +103,7 @@ def car_of(read: Mapping[str, Any], source: str) -> Car:
     name = read.get("car_type", read.get("Car Type", "car"))
     numbers = {what: _number(read, what, source) for what in ("length", "axles", "ratio", "rolling")}
     numbers |= {what: _number(read, what, source, 0.0) for what in ("rotating", "bearing", "davis_b", "area")}
-    if any(one in read for one in SPELLINGS["base"]):
+    if any(spelling in read for spelling in SPELLINGS["base"]):
         numbers["mass"] = _number(read, "base", source) + _number(read, "freight", source, 0.0)
     else:
         numbers["mass"] = _number(read, "static", source)
@@ -321,8 +321,8 @@ def _with_areas(cars: list[tuple[Car, int]], areas: Any, source: str, notes: Not
     if not isinstance(areas, list) or len(areas) != total:
         raise FileError(f"{source}: cd_area_vec must have {total} numbers, one a car; got {shown(areas)}. Correct it.")
     low, high, unit = LIMITS["area"]
-    numbers = [named_number(one, "cd_area_vec", source) for one in areas]
-    mean = sum(checked(one, "cd_area_vec", (low, high), unit, source) for one in numbers) / max(total, 1)
+    numbers = [named_number(area, "cd_area_vec", source) for area in areas]
+    mean = sum(checked(number, "cd_area_vec", (low, high), unit, source) for number in numbers) / max(total, 1)
     notes.converted("cd_area_vec: its mean for each car, in place of cd_area; the drag of the train is that of the sum")
     return [(car.with_area(mean), count) for car, count in cars]
 

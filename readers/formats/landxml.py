@@ -51,7 +51,7 @@ def gradients_of(
     if len(profiles) > 1:
         names = listed(one.get("name", "") for one in profiles[1:])
         account.left.append(f"profiles {names}: the first, {shown(profiles[0].get('name'))}, is read")
-    points = [_vertical_point(one, unit, source) for one in profiles[0] if one.tag in VERTICALS]
+    points = [_vertical_point(profile, unit, source) for profile in profiles[0] if profile.tag in VERTICALS]
     points = _apart(points, f"{source}: {name_of(profiles[0])}", account)
     if len(points) < 2:
         raise FileError(f"{source}: {name_of(profiles[0])} must have at least 2 points; got {len(points)}. Add points.")
@@ -65,7 +65,7 @@ def gradients_of(
             f"the profile reaches from {pieces[0].begin:.3f} to {pieces[-1].end:.3f} m, the elements from {begin:.3f} "
             f"to {end:.3f} m: the gradient is 0 beyond it"
         )
-    return [cut for one in pieces if (cut := _cut(one, begin, end)) is not None]
+    return [cut for piece in pieces if (cut := _cut(piece, begin, end)) is not None]
 
 
 def _vertical_point(one: ET.Element, unit: float, source: str) -> Point:
@@ -86,20 +86,20 @@ def _vertical_point(one: ET.Element, unit: float, source: str) -> Point:
 def _apart(points: list[Point], what: str, account: Account) -> list[Point]:
     """Return the points with different places, those at both ends without curves. Raises FileError."""
     found: list[Point] = []
-    for one in points:
-        way = one.station - found[-1].station if found else math.inf
-        if way <= -SHORTEST or (way < SHORTEST and abs(one.height - found[-1].height) > SHORTEST):
+    for point in points:
+        way = point.station - found[-1].station if found else math.inf
+        if way <= -SHORTEST or (way < SHORTEST and abs(point.height - found[-1].height) > SHORTEST):
             raise FileError(
                 f"{what}: stations must grow, and points closer than {SHORTEST:g} m must have one height; got "
-                f"{one.station:.10g} m, {one.height:.10g} m after {found[-1].station:.10g} m, "
+                f"{point.station:.10g} m, {point.height:.10g} m after {found[-1].station:.10g} m, "
                 f"{found[-1].height:.10g} m. Sort or remove them."
             )
         if way >= SHORTEST:
-            found.append(one)
-        elif _is_curve(one):
+            found.append(point)
+        elif _is_curve(point):
             if _is_curve(found[-1]):
-                raise FileError(f"{what}: a point must have one vertical curve; got 2 at {one.station:.10g} m.")
-            found[-1] = one
+                raise FileError(f"{what}: a point must have one vertical curve; got 2 at {point.station:.10g} m.")
+            found[-1] = point
     if len(found) < len(points):
         account.left.append(f"{len(points) - len(found)} points of the profile within {SHORTEST:g} m of another one")
     ends = [number for number in {0, len(found) - 1} if _is_curve(found[number])]
@@ -154,16 +154,16 @@ def _pieces(points: list[Point], slopes: list[float]) -> list[Piece]:
             pieces.append(Piece(before.station, first, middle, slope))
         if last - first >= SHORTEST:
             pieces.append(Piece(first, last, slope, slope))
-    return [one for one in pieces if one.end - one.begin >= SHORTEST]
+    return [piece for piece in pieces if piece.end - piece.begin >= SHORTEST]
 
 
-def _cut(one: Piece, begin: float, end: float) -> Piece | None:
+def _cut(piece: Piece, begin: float, end: float) -> Piece | None:
     """Return the part of a piece between two places, None if it has none."""
-    first, last = max(one.begin, begin), min(one.end, end)
+    first, last = max(piece.begin, begin), min(piece.end, end)
     if last - first < SHORTEST:
         return None
-    steep = (one.last - one.first) / (one.end - one.begin)
-    return Piece(first, last, one.first + steep * (first - one.begin), one.first + steep * (last - one.begin))
+    steep = (piece.last - piece.first) / (piece.end - piece.begin)
+    return Piece(first, last, piece.first + steep * (first - piece.begin), piece.first + steep * (last - piece.begin))
 
 
 #: Largest length, radius and coordinate [units of the file].
@@ -297,10 +297,10 @@ def _in_plan(elements: Sequence[ET.Element], source: str, unit: float, start: fl
     pieces: list[Piece] = []
     begin = place = start
     short: list[float] = []
-    for number, one in enumerate(elements, 1):
+    for number, element in enumerate(elements, 1):
         what = f"{source}, element {number}"
-        first, last, form = _ends(one, unit, what)
-        length = length_of(one, unit, what)
+        first, last, form = _ends(element, unit, what)
+        length = length_of(element, unit, what)
         place += length
         if length < SHORTEST:
             short.append(length)

@@ -33,8 +33,8 @@ class Track:
 
     def _turned(self, pieces: Sequence[Piece]) -> list[Piece]:
         return [
-            Piece(self.length - one.end, self.length - one.begin, -one.last, -one.first, one.form)
-            for one in reversed(pieces)
+            Piece(self.length - piece.end, self.length - piece.begin, -piece.last, -piece.first, piece.form)
+            for piece in reversed(pieces)
         ]
 
 

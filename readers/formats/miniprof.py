@@ -131,7 +131,7 @@ def read_mpt(rows: Rows, source: str, kind: str, part: int | None, key_and_value
     if not numbers:
         raise TableError(f"{source} must have a block of points, such as [Profile1Points]; it has none. Complete it.")
     if part is None:
-        fitting = [one for one in numbers if not kind or headers[one].kind in ("", kind)]
+        fitting = [number for number in numbers if not kind or headers[number].kind in ("", kind)]
         if len(fitting) != 1:
             raise TableError(
                 f"{source} must have one {kind or 'profile'}, or its number be given; it has the profiles "

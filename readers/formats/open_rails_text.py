@@ -50,11 +50,11 @@ class Block:
 
     def last(self, name: str) -> Block | None:
         """Return the last block of a name, which is the valid one, or None."""
-        return next((one for one in reversed(self.blocks) if one.name == name), None)
+        return next((block for block in reversed(self.blocks) if block.name == name), None)
 
     def all(self, *names: str) -> list[Block]:
         """Return the blocks of these names in their order."""
-        return [one for one in self.blocks if one.name in names]
+        return [block for block in self.blocks if block.name in names]
 
 
 class _Words:

@@ -92,17 +92,17 @@ def coupler_of(couplings: list[Block], flipped: bool, notes: Notes) -> Row:
         notes.assumed("Coupling: missing; a screw coupler, in Open Rails one of 20 MN/m.")
         return {}
     both = [*couplings[2:4], *couplings[len(couplings[2:4]) : 2]]
-    own = Fields(both[-1 if flipped else 0].blocks, notes)
-    kind = own.word("Type")
-    rigid = own.word("CouplingHasRigidConnection") not in ("", "0", "false") or (
-        own.has("CouplingHasRigidConnection") and not own.word("CouplingHasRigidConnection")
+    fields = Fields(both[-1 if flipped else 0].blocks, notes)
+    kind = fields.word("Type")
+    rigid = fields.word("CouplingHasRigidConnection") not in ("", "0", "false") or (
+        fields.has("CouplingHasRigidConnection") and not fields.word("CouplingHasRigidConnection")
     )
     if rigid or kind == "bar":
         notes.taken("Coupling: rigid connection or Bar -> coupler = rigid")
         return {"coupler": "rigid"}
     row: Row = {"coupler": "draft-gear" if kind == "automatic" else "screw"}
     notes.taken("Coupling: Automatic -> draft-gear, others -> screw")
-    spring = own.blocks.get("spring")
+    spring = fields.blocks.get("spring")
     if spring is None:
         notes.assumed("Coupling without Spring: the stiffness and slack of its kind, in Open Rails 210 MN/m and 12 mm.")
         return row
@@ -159,7 +159,7 @@ DRIVE = (*TRACTION_CURVES, *BRAKE_CURVES, "MaxForce", "MaxPower")
 
 def drive_of(engines: list[Block], notes: Notes) -> Row:
     """Return the columns of the motors and of the dynamic brake in the blocks Engine of a vehicle."""
-    fields = Fields([block for one in engines for block in one.blocks], notes)
+    fields = Fields([block for engine in engines for block in engine.blocks], notes)
     return _traction(fields, notes) | _dynamic(fields, notes)
 
 
@@ -386,7 +386,7 @@ def _engines(root: Block) -> list[Block]:
 def _tell_left(fields: Fields, root: Block, notes: Notes) -> None:
     """Tell fields without a column, each with the reason, and misspelt ones."""
     names = {block.name for block in fields.blocks.values()}
-    names |= {block.name for one in _engines(root) for block in one.blocks}
+    names |= {block.name for engine in _engines(root) for block in engine.blocks}
     notes.left_of(LEFT, [name for name in LEFT if name.lower() in names])
     outside = [block.name for block in root.blocks if block.name.lower() in {one.lower() for one in TAKEN}]
     for name in outside:

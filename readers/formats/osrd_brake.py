@@ -38,7 +38,7 @@ def brake_params_of(read: Any, source: str) -> tuple[dict[str, Curve], dict[str,
     places = [one for one in (read.get(BEFORE), *listed) if one is not None]
     if not places:
         return None
-    if any(one != places[0] for one in places):
+    if any(place != places[0] for place in places):
         raise FileError(f"{source} must state the ETCS brake once; got different ones in {BEFORE} and {SYSTEMS}.")
     given = places[0]
     if not isinstance(given, dict):
@@ -60,6 +60,6 @@ def _curve(given: Any, name: str, source: str) -> Curve:
     if not isinstance(given, dict) or set(given) != {"boundaries", "values"}:
         raise FileError(f"{source}: {name} must have boundaries and values; got {shown(given)}.")
     for of, numbers in given.items():
-        if not isinstance(numbers, list) or not all(is_number(one) for one in numbers) or len(numbers) > MOST:
+        if not isinstance(numbers, list) or not all(is_number(number) for number in numbers) or len(numbers) > MOST:
             raise FileError(f"{source}: {of} of {name} must be a list of at most {MOST} numbers; got {shown(numbers)}.")
     return [float(one) for one in given["boundaries"]], [float(one) for one in given["values"]]

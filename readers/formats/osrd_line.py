@@ -96,7 +96,7 @@ def _ranges(read: Any, name: str, length: float, what: str) -> list[tuple[Any, f
 
 def _check_links(read: Any, route: Sequence[tuple[str, bool]], account: Account) -> None:
     """Tell which consecutive sections the file does not link."""
-    groups = [[one.get("src"), one.get("dst")] for one in _items(read.get("track_section_links"))]
+    groups = [[item.get("src"), item.get("dst")] for item in _items(read.get("track_section_links"))]
     groups += [
         list(one["ports"].values()) for one in _items(read.get("switches")) if isinstance(one.get("ports"), dict)
     ]

@@ -165,7 +165,7 @@ def _motors(vehicle: ET.Element, place: str, notes: Notes) -> Row:
 
 def _kind(vehicle: ET.Element, notes: Notes) -> str:
     parts = [vehicle, *inside(vehicle, "vehiclePart", "classification")]
-    words = [one.get("category") or one.get("vehicleCategory") or "" for one in parts]
+    words = [part.get("category") or part.get("vehicleCategory") or "" for part in parts]
     for word in words:
         for begin, kind in KINDS.items():
             if word.lower().startswith(begin):

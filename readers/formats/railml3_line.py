@@ -52,7 +52,7 @@ def read_railml3(infrastructure: ET.Element, asked: Sequence[str], source: str) 
     reached: dict[str, float] = {}
     for group in groups.values():
         for name, curves in group.items():
-            reached[name] = max(reached.get(name, 0.0), lengths.get(name) or max(one.end for one in curves))
+            reached[name] = max(reached.get(name, 0.0), lengths.get(name) or max(curve.end for curve in curves))
     route = route_of(reached, asked, source)
     tracks = []
     for name, back in route:
@@ -78,21 +78,21 @@ def _located(
 ) -> dict[str, list[Curve]]:
     """Return curves by net element, in the order of their places. Raises FileError."""
     found: dict[str, list[Curve]] = {}
-    for one in elements:
-        _check_direction(one, source)
-        for place in inside(one, "associatedNetElement"):
+    for element in elements:
+        _check_direction(element, source)
+        for place in inside(element, "associatedNetElement"):
             name = place.get("netElementRef", "")
             sign = _sign(place, source)
             begin, end = (_measure(place, side, lengths.get(name, 0.0), source) for side in ("Begin", "End"))
             begin, end = (end, begin) if sign < 0.0 and end < begin else (begin, end)
             if abs(end - begin) < SHORTEST:
-                account.left.append(f"{name_of(one)}: it is shorter than {SHORTEST:g} m")
+                account.left.append(f"{name_of(element)}: it is shorter than {SHORTEST:g} m")
                 continue
             if not end > begin:
                 raise FileError(
-                    f"{source}: {name_of(one)} must end after its begin; got {begin:g} to {end:g} m. Correct it."
+                    f"{source}: {name_of(element)} must end after its begin; got {begin:g} to {end:g} m. Correct it."
                 )
-            found.setdefault(name, []).append(Curve(one, begin, end, sign))
+            found.setdefault(name, []).append(Curve(element, begin, end, sign))
     return {name: sorted(curves, key=lambda curve: curve.begin) for name, curves in found.items()}
 
 
@@ -134,31 +134,31 @@ def _measure(place: ET.Element, side: str, length: float, source: str) -> float:
 def _curvature(curves: Sequence[Curve], source: str) -> list[Piece]:
     """Return the curvature of horizontal curves; transitions lie between their neighbours. Raises FileError."""
     values: list[float | None] = []
-    for one in curves:
-        kind = one.element.get("curveType", "")
+    for curve in curves:
+        kind = curve.element.get("curveType", "")
         if kind not in CONSTANT and kind not in CHANGING:
             raise FileError(
-                f"{source}: curveType of {name_of(one.element)} must be one of {', '.join([*CONSTANT, *CHANGING])}; "
+                f"{source}: curveType of {name_of(curve.element)} must be one of {', '.join([*CONSTANT, *CHANGING])}; "
                 f"got {shown(kind)}. Replace it."
             )
-        values.append(_bend(one, source) if kind in CONSTANT else None)
+        values.append(_bend(curve, source) if kind in CONSTANT else None)
     return _pieces(curves, values, lambda element: CHANGING.get(element.get("curveType", ""), LINEAR))
 
 
-def _bend(one: Curve, source: str) -> float:
-    if one.element.get("curveType") == "straight":
+def _bend(curve: Curve, source: str) -> float:
+    if curve.element.get("curveType") == "straight":
         return 0.0
-    radius = attribute(one.element, "radius", source, 1e9)
+    radius = attribute(curve.element, "radius", source, 1e9)
     if radius:
-        return -one.sign / radius
-    turn = required(one.element, "deltaAzimuth", source, 720.0)
-    return -one.sign * math.radians(turn) / (one.end - one.begin)
+        return -curve.sign / radius
+    turn = required(curve.element, "deltaAzimuth", source, 720.0)
+    return -curve.sign * math.radians(turn) / (curve.end - curve.begin)
 
 
 def _pieces(curves: Sequence[Curve], values: Sequence[float | None], form: Callable[[ET.Element], str]) -> list[Piece]:
     """Return pieces of constant values, and between them pieces that change from one to the next."""
     found = []
-    for number, one in enumerate(curves):
+    for number, curve in enumerate(curves):
         own = values[number]
         near = [
             values[other] or 0.0
@@ -167,7 +167,7 @@ def _pieces(curves: Sequence[Curve], values: Sequence[float | None], form: Calla
             for other in (number - 1, number + 1)
         ]
         first, last = (near[0], near[1]) if own is None else (own, own)
-        found.append(Piece(one.begin, one.end, first, last, form(one.element) if own is None else LINEAR))
+        found.append(Piece(curve.begin, curve.end, first, last, form(curve.element) if own is None else LINEAR))
     return found
 
 
@@ -193,10 +193,10 @@ def _gradient(curves: Sequence[Curve], source: str) -> list[Piece]:
 def _cant(curves: Sequence[Curve], curvature: Sequence[Piece], source: str) -> list[Piece]:
     """Return the cant of superelevation curves, to the side of the horizontal curve."""
     values: list[float | None] = []
-    for one in curves:
-        height = attribute(one.element, "superelevation", source, 300.0)
-        changes = height is None or one.element.get("curveType") not in (None, "constant", "straight", "arc")
-        middle = (one.begin + one.end) / 2.0
+    for curve in curves:
+        height = attribute(curve.element, "superelevation", source, 300.0)
+        changes = height is None or curve.element.get("curveType") not in (None, "constant", "straight", "arc")
+        middle = (curve.begin + curve.end) / 2.0
         side = next((math.copysign(1.0, p.first + p.last) for p in curvature if p.begin <= middle <= p.end), 1.0)
         values.append(None if changes else side * (height or 0.0) / 1000.0)
     return _pieces(curves, values, lambda _: LINEAR)

@@ -113,7 +113,7 @@ def _track(element: ET.Element, name: str, begin: float, end: float, source: str
         place = _place(one, begin, end, source)
         slopes.append(Change(place, slope, curve=abs(curve), by_radius=length is None))
     for changes, tag, words in ((bends, "radiusChange", "straight"), (slopes, "gradientChange", "level")):
-        first = min((one.place for one in changes), default=0.0)
+        first = min((change.place for change in changes), default=0.0)
         if first >= SHORTEST:
             account.assumed.append(f"track {name} is {words} before its first {tag}, at {begin + first:g} m")
     if not bends:
@@ -172,18 +172,18 @@ def _slopes(changes: Sequence[Change], end: float, account: Account) -> list[Pie
     """Return gradients from change to change; vertical curves lie half before and half behind their change."""
     pieces: list[Piece] = []
     place, steep = 0.0, 0.0
-    for number, one in enumerate(changes):
+    for number, change in enumerate(changes):
         following = changes[number + 1].place if number + 1 < len(changes) else end
-        length = one.curve * abs(one.value - steep) if one.by_radius else one.curve
-        half = min(length / 2.0, one.place - place, following - one.place) if number else 0.0
+        length = change.curve * abs(change.value - steep) if change.by_radius else change.curve
+        half = min(length / 2.0, change.place - place, following - change.place) if number else 0.0
         if number and length - 2.0 * half > OVERLAP:
             made = f"from {length:.1f} to {2.0 * half:.1f} m, the room that its neighbours leave"
-            account.assumed.append(f"the vertical curve at {one.place:.1f} m is shortened {made}")
-        if one.place - half - place >= SHORTEST:
-            pieces.append(Piece(place, one.place - half, steep, steep))
+            account.assumed.append(f"the vertical curve at {change.place:.1f} m is shortened {made}")
+        if change.place - half - place >= SHORTEST:
+            pieces.append(Piece(place, change.place - half, steep, steep))
         if half >= SHORTEST:
-            pieces.append(Piece(one.place - half, one.place + half, steep, one.value))
-        place, steep = one.place + half, one.value
+            pieces.append(Piece(change.place - half, change.place + half, steep, change.value))
+        place, steep = change.place + half, change.value
     if end - place >= SHORTEST:
         pieces.append(Piece(place, end, steep, steep))
     return pieces

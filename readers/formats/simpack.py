@@ -54,7 +54,7 @@ ANGLES = {"rad": 1.0, "deg": 180 / math.pi, "degree": 180 / math.pi, "degrees": 
 
 def is_simpack(rows: Rows) -> bool:
     """Return whether rows are those of a SIMPACK profile: one begins a block."""
-    return any(row.split("!")[0].strip() in [f"{one}.begin" for one in BLOCKS] for _, row in rows)
+    return any(row.split("!")[0].strip() in [f"{block}.begin" for block in BLOCKS] for _, row in rows)
 
 
 @dataclass
@@ -258,5 +258,5 @@ def _bounded(
 def _weights(file: _File) -> list[str]:
     """Return a note if a point has a weight other than 1."""
     cells = [re.split(r"[;,\s]+" if "." in row else r"[;\s]+", row.strip()) for _, row in file.body]
-    odd = sum(len(one) > 2 and number_in(one[2]) and number_of(one[2]) != 1.0 for one in cells)
+    odd = sum(len(cell) > 2 and number_in(cell[2]) and number_of(cell[2]) != 1.0 for cell in cells)
     return [f"weights of {odd} points have no effect: the spline weighs all points equally"] * bool(odd)

@@ -31,7 +31,10 @@ def formats() -> dict[str, tuple[str, EntryPoint]]:
         for program, ends, reader in BUILT_IN
         for end in ends
     }
-    others = {f".{one.name}": (one.dist.name if one.dist else one.module, one) for one in entry_points(group=GROUP)}
+    others = {
+        f".{entry_point.name}": (entry_point.dist.name if entry_point.dist else entry_point.module, entry_point)
+        for entry_point in entry_points(group=GROUP)
+    }
     return found | {end: one for end, one in others.items() if end not in found}
 
 

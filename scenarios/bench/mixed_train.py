@@ -93,7 +93,7 @@ def mixed(coupler: Coupler, level: int, way: str, share: float = 0.4) -> MixedTr
 
 def _chain(stiffness: float, led: bool) -> Matrix:
     """Return the state matrix of places and speeds of the train without brakes; one vehicle's speed may be given."""
-    masses = np.array([one.mass * (1 + one.rotating_share) for one in consist_of(rigid()).vehicles])
+    masses = np.array([vehicle.mass * (1 + vehicle.rotating_share) for vehicle in consist_of(rigid()).vehicles])
     n = len(masses)
     stiff = np.zeros((n, n))
     for i in range(n - 1):

@@ -34,7 +34,7 @@ def pushed(compression: float) -> Guided:
     coach.advance(SETTLED)
     force = sum(coach[f"guiding_force_{n}"] for n in NUMBERS)
     quotients = (coach[f"derailment_quotient_{n}_{side}"] for n in NUMBERS for side in ("left", "right"))
-    return Guided(force, max(abs(one) for one in quotients))
+    return Guided(force, max(abs(quotient) for quotient in quotients))
 
 
 def on_paper(compression: float) -> float:

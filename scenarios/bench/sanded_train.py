@@ -43,7 +43,7 @@ def train() -> Library:
     numbers = range(1, len(PLACES) + 1)
     text = "Friction under wheelset"
     frictions = [cars.input(Variable(f"sanded_{n}", "input", "1", f"{text} {n}", UNTREATED, 0.0)) for n in numbers]
-    cars.derivative(speed, -sum((ca.fmin(asked, GRAVITY * one) for one in frictions), ca.SX(0)) / len(PLACES))
+    cars.derivative(speed, -sum((ca.fmin(asked, GRAVITY * friction) for friction in frictions), ca.SX(0)) / len(PLACES))
     cars.derivative(distance, speed)
     cars.output(Variable("speed", "output", "m/s", "Speed of the train"), speed)
     cars.output(Variable("distance", "output", "m", "Distance of the train"), distance)

@@ -77,20 +77,22 @@ def play(controller: ManyControllers, runs: Sequence[Run]) -> Played:
     """Run these stops under a controller of many vehicles."""
     waiting, unused = iter(runs), np.random.default_rng(0)
     draw, step = (lambda random, wheelsets: next(waiting)), SETTINGS.period
-    own = Environment(bogie(), SETTINGS, len(runs), draw, privileged=True, step=step)
-    own.begin(range(len(runs)), [unused] * len(runs))
+    environment = Environment(bogie(), SETTINGS, len(runs), draw, privileged=True, step=step)
+    environment.begin(range(len(runs)), [unused] * len(runs))
     controller.start(np.arange(len(runs)), len(runs), 2, SETTINGS.period)
     cost, goes_on, time = np.zeros(len(runs)), np.ones(len(runs), bool), 0.0
     while goes_on.any() and time < PATIENCE:
-        own.turn(controller.step(np.full(len(runs), time), own.observation[:, :2]))
-        cost -= own.reward
-        goes_on &= ~(own.terminated | own.truncated)
+        environment.turn(controller.step(np.full(len(runs), time), environment.observation[:, :2]))
+        cost -= environment.reward
+        goes_on &= ~(environment.terminated | environment.truncated)
         time += SETTINGS.period
-    stops = [own.stop(row) for row in range(len(runs))]
-    rolls = np.array([rolling_stop(own.machine, SETTINGS, run.speed or SETTINGS.speed).distance for run in runs])
-    cost += goes_on * cost_of_no_stop(own.observation[:, 5], time, rolls)
-    own.close()
-    over = np.array([one.distance or np.nan for one in stops]) / rolls
+    stops = [environment.stop(row) for row in range(len(runs))]
+    rolls = np.array(
+        [rolling_stop(environment.machine, SETTINGS, run.speed or SETTINGS.speed).distance for run in runs]
+    )
+    cost += goes_on * cost_of_no_stop(environment.observation[:, 5], time, rolls)
+    environment.close()
+    over = np.array([stop.distance or np.nan for stop in stops]) / rolls
     return Played(cost, np.where(goes_on, np.nan, over), np.array([one.longest_lock for one in stops]))
 
 

@@ -70,7 +70,7 @@ def bands(case: Case, program: Program, draws: int = DRAWS, seed: int = SEED) ->
 
 
 def _varies(name: str, others: list[Answers]) -> bool:
-    values = [one[name] for one in others if name in one]
+    values = [other[name] for other in others if name in other]
     return bool(values) and max(values) - min(values) > SAME * abs(float(np.median(values)))
 
 
@@ -87,7 +87,7 @@ def _answers(case: Case, program: Program, point: Point) -> Answers:
 
 
 def _band(case: Case, number: int, name: str, own: Answers, others: list[Answers]) -> Band:
-    values = [one[name] for one in others if name in one]
+    values = [other[name] for other in others if name in other]
     enough = 2 * len(values) >= len(others)
     lower, median, upper = np.percentile(values, PERCENTILES).tolist() if enough else (None, None, None)
     published = case.points[number].published[name]

@@ -129,14 +129,14 @@ def unknown_of(name: str, table: Any, units: Mapping[str, str], inputs: Mapping[
     if not isinstance(table, dict):
         raise FileError(f"{place} must be a table; got {shown(table)}.")
     check_names(table, (*DISTRIBUTIONS, "source"), place)
-    kinds = [one for one in DISTRIBUTIONS if one in table]
+    kinds = [distribution for distribution in DISTRIBUTIONS if distribution in table]
     if len(kinds) != 1:
         raise FileError(f"{place} must have one of {', '.join(DISTRIBUTIONS)}; got {' and '.join(kinds) or 'none'}.")
     values = table[kinds[0]]
     if not isinstance(values, list) or not values or (kinds[0] != "list" and len(values) != 2):
         need = "values" if kinds[0] == "list" else "two values"
         raise FileError(f"{place}: {kinds[0]} must be a list of {need}; got {shown(values)}.")
-    numbers = tuple(quantity_at(f"{place}.{kinds[0]}", one, units[name]) for one in values)
+    numbers = tuple(quantity_at(f"{place}.{kinds[0]}", value, units[name]) for value in values)
     if kinds[0] == "uniform" and not numbers[0] < numbers[1]:
         raise FileError(f"{place}: uniform must have its lower value first; got {shown(values)}. Exchange them.")
     if kinds[0] == "normal" and not numbers[1] > 0.0:

@@ -45,7 +45,7 @@ class Results:
     @property
     def names(self) -> list[str]:
         """Names of the programs."""
-        return [one.name for one in self.programs]
+        return [program.name for program in self.programs]
 
     @property
     def notes(self) -> list[str]:
@@ -126,7 +126,7 @@ def table_of(scored: Sequence[Scored]) -> str:
 def document(results: Results) -> dict[str, Any]:
     """Return scores and ranges as a document: errors relative or in SI units, None for a dash."""
     return {
-        "programs": {one.name: one.version for one in results.programs},
+        "programs": {program.name: program.version for program in results.programs},
         "missing": dict(results.missing),
         "scores": [
             {

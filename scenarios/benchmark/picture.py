@@ -45,26 +45,26 @@ def figure_of_errors(scored: Sequence[Scored], programs: Sequence[str]) -> Figur
     return figure
 
 
-def _share(one: Score) -> float:
-    assert one.worst is not None
-    if one.answer.bound is not None:
-        return one.worst / one.answer.bound
-    return 100 * one.worst
+def _share(score: Score) -> float:
+    assert score.worst is not None
+    if score.answer.bound is not None:
+        return score.worst / score.answer.bound
+    return 100 * score.worst
 
 
-def _label(one: Scored, name: str) -> str:
-    return f"{one.case.name}: {name}" + ("" if one.case.answers[name].judged else " (shown)")
+def _label(scored: Scored, name: str) -> str:
+    return f"{scored.case.name}: {name}" + ("" if scored.case.answers[name].judged else " (shown)")
 
 
 def _message(scored: Sequence[Scored], program: str) -> str:
-    judged = [one for each in scored for one in each.scores if one.program == program and one.holds is not None]
+    judged = [score for each in scored for score in each.scores if score.program == program and score.holds is not None]
     held = sum(one.holds is True for one in judged)
     return f"{program}: {held} of {len(judged)} judged answers within their bounds"
 
 
 def figure_of_bands(bands: Sequence[Band]) -> Figure:
     """Return ranges over the published values: 5 to 95 %, median, and the answer at the inputs of the case."""
-    drawn = [one for one in bands if one.lower is not None and one.published]
+    drawn = [band for band in bands if band.lower is not None and band.published]
     figure, axis = plt.subplots(figsize=(9.5, 1.8 + 0.28 * max(len(drawn), 1)))
     for row, one in enumerate(drawn):
         lower, median, upper, value = (
@@ -96,9 +96,9 @@ def figures_over_two_inputs(scored: Sequence[Scored], program: str) -> dict[str,
     return found
 
 
-def _map(one: Scored, score: Score, names: Sequence[str], values: Sequence[list]) -> Figure:
+def _map(scored: Scored, score: Score, names: Sequence[str], values: Sequence[list]) -> Figure:
     grid = np.full((len(values[1]), len(values[0])), np.nan)
-    for point, value, told in zip(one.case.points, score.values, score.published, strict=True):
+    for point, value, told in zip(scored.case.points, score.values, score.published, strict=True):
         if value is not None and told is not None:
             column, row = (values[side].index(point.inputs[name]) for side, name in enumerate(names))
             grid[row, column] = 100 * (value / told - 1)
@@ -107,10 +107,10 @@ def _map(one: Scored, score: Score, names: Sequence[str], values: Sequence[list]
     for row, column in np.argwhere(np.isfinite(grid)):
         axis.text(column, row, f"{grid[row, column]:.0f}", ha="center", va="center", fontsize=6)
     for side, ticks in enumerate((axis.set_xticks, axis.set_yticks)):
-        scale = displayed(one.case.units[names[side]])[1]
+        scale = displayed(scored.case.units[names[side]])[1]
         ticks(range(len(values[side])), [f"{each / scale:.4g}" for each in values[side]], fontsize=7)
-    units = [f"{name} [{displayed(one.case.units[name])[0]}]" for name in names]
+    units = [f"{name} [{displayed(scored.case.units[name])[0]}]" for name in names]
     axis.set(xlabel=units[0], ylabel=units[1])
     axis.grid(False)
     figure.colorbar(image, label="error [%]")
-    return titled(figure, f"{one.case.name}: error of {score.answer.name} over {names[0]} and {names[1]}")
+    return titled(figure, f"{scored.case.name}: error of {score.answer.name} over {names[0]} and {names[1]}")

@@ -45,28 +45,32 @@ RANGES = ("case", "point", "answer", "published", "value", "median", "5 to 95 %"
 def rows_of_bands(bands: Sequence[Band]) -> list[list[str]]:
     """Return the table of ranges: a row for each point and answer."""
     rows = []
-    for one in bands:
-        ends = DASH if one.lower is None else f"{quantity(one.answer, one.lower)} to {quantity(one.answer, one.upper)}"
-        inside = {True: "yes", False: "no", None: DASH}[one.holds]
-        values = [quantity(one.answer, value) for value in (one.published, one.value, one.median)]
-        count = f"{one.draws}" if one.answered == one.draws else f"{one.answered} of {one.draws}"
-        point = point_of(one.case, one.number - 1)
-        rows.append([one.case.name, point, one.answer.name, *values, ends, inside, count])
+    for band in bands:
+        ends = (
+            DASH
+            if band.lower is None
+            else f"{quantity(band.answer, band.lower)} to {quantity(band.answer, band.upper)}"
+        )
+        inside = {True: "yes", False: "no", None: DASH}[band.holds]
+        values = [quantity(band.answer, value) for value in (band.published, band.value, band.median)]
+        count = f"{band.draws}" if band.answered == band.draws else f"{band.answered} of {band.draws}"
+        point = point_of(band.case, band.number - 1)
+        rows.append([band.case.name, point, band.answer.name, *values, ends, inside, count])
     return rows
 
 
-def rows_of_points(one: Scored) -> list[list[str]]:
+def rows_of_points(scored: Scored) -> list[list[str]]:
     """Return every value of a case: point, answer, published value, and value and error of each program with one."""
     rows = []
-    for number in range(len(one.case.points)):
-        for name, answer in one.case.answers.items():
-            told = one.case.points[number].published.get(name)
-            for each in one.scores:
+    for number in range(len(scored.case.points)):
+        for name, answer in scored.case.answers.items():
+            told = scored.case.points[number].published.get(name)
+            for each in scored.scores:
                 value = each.values[number]
                 if each.answer.name == name and value is not None and told is not None:
                     error = (value - told) / told if answer.relative else value - told
                     cells = [quantity(answer, told), each.program, quantity(answer, value), size(each, error, "+")]
-                    rows.append([point_of(one.case, number), name, *cells])
+                    rows.append([point_of(scored.case, number), name, *cells])
     return rows
 
 
@@ -96,36 +100,36 @@ def quantity(answer: Answer, value: float | None) -> str:
     return DASH if value is None else f"{value / answer.scale:.4g}{unit}"
 
 
-def published(one: Score) -> str:
+def published(score: Score) -> str:
     """Return the published value, or the range of several, with the unit."""
-    values = [value / one.answer.scale for value in one.published if value is not None]
-    unit = "" if one.answer.unit == "1" else f" {one.answer.unit}"
+    values = [value / score.answer.scale for value in score.published if value is not None]
+    unit = "" if score.answer.unit == "1" else f" {score.answer.unit}"
     if not values:
         return DASH
     least, most = min(values), max(values)
     return f"{least:.7g}{unit}" if least == most else f"{least:.5g} to {most:.5g}{unit}"
 
 
-def bound(one: Score) -> str:
+def bound(score: Score) -> str:
     """Return the bound of an answer with its unit."""
-    return DASH if one.answer.bound is None else size(one, one.answer.bound)
+    return DASH if score.answer.bound is None else size(score, score.answer.bound)
 
 
-def worst(one: Score) -> str:
+def worst(score: Score) -> str:
     """Return the error of largest size, and a mark if it exceeds the bound."""
-    if one.worst is None:
+    if score.worst is None:
         return DASH
-    answered = "" if len(one.errors) == one.points else f" ({len(one.errors)} of {one.points})"
-    spread = f", rms {size(one, one.rms or 0.0)}" if len(one.errors) > MANY else ""
-    return size(one, one.worst, "+") + spread + answered + (" !" if one.holds is False else "")
+    answered = "" if len(score.errors) == score.points else f" ({len(score.errors)} of {score.points})"
+    spread = f", rms {size(score, score.rms or 0.0)}" if len(score.errors) > MANY else ""
+    return size(score, score.worst, "+") + spread + answered + (" !" if score.holds is False else "")
 
 
-def size(one: Score, error: float, sign: str = "") -> str:
+def size(score: Score, error: float, sign: str = "") -> str:
     """Return an error in percent of the published value, or in the unit of the answer."""
-    if one.answer.relative:
+    if score.answer.relative:
         return f"{100 * error:{sign}.3g} %"
-    unit = "" if one.answer.unit == "1" else f" {one.answer.unit}"
-    return f"{error / one.answer.scale:{sign}.3g}{unit}"
+    unit = "" if score.answer.unit == "1" else f" {score.answer.unit}"
+    return f"{error / score.answer.scale:{sign}.3g}{unit}"
 
 
 def time(seconds: float | None) -> str:
@@ -147,7 +151,7 @@ def columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
 
 def sentence(scored: Sequence[Scored], program: str) -> str:
     """Return how many judged answers a program gives within their bounds, the first that it misses named."""
-    judged = [one for each in scored for one in each.scores if one.program == program and one.answer.judged]
+    judged = [score for each in scored for score in each.scores if score.program == program and score.answer.judged]
     given = [one for one in judged if one.holds is not None]
     missed = [f"{one.case.name}, {one.answer.name}" for one in given if not one.holds]
     said = f"{program} answers {len(given)} of {len(judged)} judged questions, {len(given) - len(missed)} within bounds"

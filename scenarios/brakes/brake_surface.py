@@ -116,15 +116,15 @@ def errors() -> dict[str, Numbers]:
     return {name: 100 * np.abs(own - exact) / (exact + FOURIER) for name, own in found.items()}
 
 
-def stop(one: Body) -> HeatedStop:
+def stop(body: Body) -> HeatedStop:
     """Return an emergency stop of a vehicle, and its surface by finite volumes with the same heat."""
-    train = Train(consist_of([one.vehicle]), speed=one.speed)
+    train = Train(consist_of([body.vehicle]), speed=body.speed)
     share = train.consist.vehicles[0].heat.heat_share
     train.drive("emergency")
     found = train.record(200.0, PERIOD)
     times, heat = found["time"], share * found["brake_heat[1]"]
     power = np.gradient(heat, times)
-    above = one.slab.conducted(lambda time: float(np.interp(time, times, power)), float(times[-1]))
+    above = body.slab.conducted(lambda time: float(np.interp(time, times, power)), float(times[-1]))
     mean = found["brake_temperature[1]"] - SURROUNDINGS
     conducted = mean + np.interp(times, above[:, 0], above[:, 1])
     return HeatedStop(times, mean, found["surface_temperature[1]"] - SURROUNDINGS, conducted)

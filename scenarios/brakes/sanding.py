@@ -121,7 +121,7 @@ def draw(trials: Sequence[Trial], ways: Mapping[str, float]) -> Figure:
     axis.annotate(
         "more than", (NONE.printed, places[0]), xytext=(-8, 0), textcoords="offset points", ha="right", va="center"
     )
-    names = [f"{one.name}\n(fitted)" if one in FITTED else one.name for one in trials]
+    names = [f"{trial.name}\n(fitted)" if trial in FITTED else trial.name for trial in trials]
     axis.set_yticks(list(places), names)
     axis.set(xlabel="stopping distance from 55 mph [m]", xlim=(0.0, None), ylim=(-0.6, len(trials) - 0.4))
     axis.legend(loc="lower right", fontsize=9)

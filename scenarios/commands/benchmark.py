@@ -81,7 +81,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _list(cases: Sequence[Case], chosen: argparse.Namespace) -> int:
-    about = {one.name: one.title for one in cases}
+    about = {case.name: case.title for case in cases}
     if chosen.json:
         print(json.dumps(about, indent=2))
     elif chosen.quiet:

@@ -104,7 +104,7 @@ def chart(results: list[Run]) -> str:
             name=VERDICTS[holds].lower(),
         )
     figure.add_vline(x=1.0, line={"color": plots.BOGIE, "width": 1})
-    names = [one.name for one in results]
+    names = [result.name for result in results]
     figure.update_yaxes(categoryorder="array", categoryarray=names, autorange="reversed")
     figure.update_xaxes(title={"text": "simulated over printed value [1]"})
     return drawn(figure)

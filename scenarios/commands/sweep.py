@@ -81,7 +81,7 @@ def study_of(chosen: argparse.Namespace) -> Study:
     head = {
         "sweep": scenario.name,
         "vary": dict(grid),
-        "held": {one: defaults[one].default for one in sweepable.parameters if one not in grid},
+        "held": {parameter: defaults[parameter].default for parameter in sweepable.parameters if parameter not in grid},
         "units": dict(sweepable.parameters) | dict(sweepable.results),
     }
     units = {one: sweepable.parameters[one] for one in grid} | dict(sweepable.results)

@@ -96,7 +96,7 @@ class ContactResult:
 def exact(name: str) -> dict[float, ContactResult]:
     """Return the exact theory by shift [mm] for the wheel of this name, in the axes of that wheel."""
     outwards = -SIDES[name]
-    points = [one for one in EXAMPLE.points if one.inputs["wheel"] == name]
+    points = [point for point in EXAMPLE.points if point.inputs["wheel"] == name]
     answers = ("place", "angle", "force_along", "force_across", "pressure")
     rows = [[one.published[answer] for answer in answers] for one in points]
     shifts = [round(1e3 * float(np.asarray(one.inputs["lateral"])), 9) for one in points]
@@ -431,10 +431,10 @@ def draw_panel(
 ) -> None:
     """Draw one quantity of one wheel: lines of the methods, points of exact theory."""
     for method, width in zip(METHODS, WIDTHS, strict=True):
-        values = np.array([getattr(found, quantity) for found in lines[method.name, name]])
+        values = np.array([getattr(line, quantity) for line in lines[method.name, name]])
         axis.plot(SHIFTS, scale * values, color=method.colour, linewidth=width, label=method.name)
     points = exact(name)
-    values = np.array([getattr(found, quantity) for found in points.values()])
+    values = np.array([getattr(point, quantity) for point in points.values()])
     axis.plot(list(points), scale * values, "o", color=BOGIE, markersize=4, label="exact theory")
 
 

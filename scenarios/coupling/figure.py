@@ -39,7 +39,7 @@ def draw(f: Findings) -> Figure:
         axis.yaxis.set_major_formatter("{x:g}")
         axis.set_xlabel("macro step [ms]")
     held, lines = (
-        order(list(steps), [one.distance for one in steps.values()])
+        order(list(steps), [step.distance for step in steps.values()])
         for steps in (dict(sorted(f.errors[f"Jacobi, {inputs}"].items())) for inputs in ("held", "lines"))
     )
     return titled(figure, f"Held inputs converge with order {held:.1f}, lines with order {lines:.1f}")

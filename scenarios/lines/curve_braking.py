@@ -242,10 +242,10 @@ def draw(series: Recording, stops: Stops) -> Figure:
     return figure
 
 
-def draw_stop(axis: Axes, one: Recording, colour: str, name: str | None = None) -> None:
+def draw_stop(axis: Axes, recording: Recording, colour: str, name: str | None = None) -> None:
     """Draw Y/Q over the distance until the bogie rocks."""
-    moving = one["speed"] > SLOW
-    axis.plot(one["distance"][moving], one[QUOTIENT][moving], color=colour, label=name)
+    moving = recording["speed"] > SLOW
+    axis.plot(recording["distance"][moving], recording[QUOTIENT][moving], color=colour, label=name)
 
 
 SCENARIO = Scenario(

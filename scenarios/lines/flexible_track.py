@@ -181,7 +181,7 @@ def run(options: Options, quick: bool = False) -> Report:
 
 
 def draw(series: Recording, outcomes: list[RailsOutcome], shown: str) -> Figure:
-    needed = sum(one.error > BAND for one in outcomes)
+    needed = sum(outcome.error > BAND for outcome in outcomes)
     message = f"Loads on rigid rails are wrong in {needed} of {len(outcomes)} scenes"
     titles = {
         f"outer leading wheel [kN], {shown}": "along the curve [m]",

@@ -125,10 +125,10 @@ IMPACTS_REMARK = (
 def shares_of_peaks(outcomes: dict[ShoeCase, ShoeOutcome]) -> list[float]:
     """Return the peak shifts over the reported ones, in the thesis's interpretation."""
     return [
-        1e3 * found / printed
+        1e3 * peak / printed
         for case, outcome in outcomes.items()
         if case.reading == AS_THESIS and (case.wheelset, case.error) in PEAKS
-        for found, printed in zip(
+        for peak, printed in zip(
             outcome.peaks, PEAKS[case.wheelset, case.error][APPLICATION_TIMES.index(case.application)], strict=True
         )
     ]
@@ -228,7 +228,9 @@ def draw_depths(outcomes: dict[ShoeCase, ShoeOutcome]) -> Figure:
 
 def mark_derailed(axis: Axes, x: Iterable[float], y: Iterable[float], outcomes: Iterable[ShoeOutcome]) -> None:
     """Draw a cross at the points of the cases that derailed."""
-    points = [(here, there) for here, there, one in zip(x, y, outcomes, strict=True) if one.derailed_at is not None]
+    points = [
+        (here, there) for here, there, outcome in zip(x, y, outcomes, strict=True) if outcome.derailed_at is not None
+    ]
     axis.plot(*np.reshape(points, (-1, 2)).T, **DERAILED)
 
 

@@ -172,12 +172,12 @@ def motion() -> Motion:
     return Motion(f"{FITTED_TORQUE / 1e3:.2f} kN.m on the trailing wheelset, fitted", vehicle, series)
 
 
-def plain_words(pressure: int, shoe_friction: float, one: BrakedRun) -> str:
-    torque = float(np.max(one.series["brake_torque"])) / 1e3
+def plain_words(pressure: int, shoe_friction: float, braked_run: BrakedRun) -> str:
+    torque = float(np.max(braked_run.series["brake_torque"])) / 1e3
     verdict = (
         "does not lock the trailing wheelset"
-        if one.lock_speed is None
-        else f"locks the trailing wheelset at {one.lock_speed:.2f} m/s"
+        if braked_run.lock_speed is None
+        else f"locks the trailing wheelset at {braked_run.lock_speed:.2f} m/s"
     )
     return f"{pressure} kPa, shoe friction {shoe_friction:.2f}, wheel-rail {FRICTION}: {torque:.2f} kN.m {verdict}."
 
@@ -189,12 +189,12 @@ def coasting_in_closed_form() -> float:
     return 2 * p.rolling_resistance_torque / p.wheel_radius / mass
 
 
-def chain_rows(pressure: int, one: BrakedRun) -> list[Row]:
+def chain_rows(pressure: int, braked_run: BrakedRun) -> list[Row]:
     """Return the rows of pressure -> rod force -> torque, which the published values determine."""
     specified = {130: 5.33, 150: 6.15, 180: 7.38}[pressure]
     lost = {130: 18, 150: 19, 180: 15}[pressure]
     case = {130: "7.2.1", 150: "7.3.1", 180: "7.4.1"}[pressure]
-    series = one.series
+    series = braked_run.series
     at = BRAKE_TIME + APPLICATION_TIME
     coasting = series["time"] < BRAKE_TIME
     rolling = coasting_in_closed_form()
@@ -247,7 +247,7 @@ def lock_rows(pressure: int, printed: Mapping[float, BrakedRun]) -> list[Row]:
     ]
 
 
-def fitted_rows(one: BrakedRun, hung: BrakedRun) -> list[Row]:
+def fitted_rows(braked_run: BrakedRun, hung: BrakedRun) -> list[Row]:
     """Return the rows of the thesis's simulation, whose torque acts on the wheelset alone (3.36), and with the brake
     hung.
     """
@@ -261,8 +261,8 @@ def fitted_rows(one: BrakedRun, hung: BrakedRun) -> list[Row]:
         f"start at {BRAKE_TIME} s"
     )
     return [
-        Row("fitted torque: speed at lock", "m/s", 1.8, one.lock_speed, None, source, f"not judged: {fit}"),
-        Row("fitted torque: time of lock", "s", 2.7, one.lock_time, None, source, "not judged: same run"),
+        Row("fitted torque: speed at lock", "m/s", 1.8, braked_run.lock_speed, None, source, f"not judged: {fit}"),
+        Row("fitted torque: time of lock", "s", 2.7, braked_run.lock_time, None, source, "not judged: same run"),
         Row("fitted torque, brake hung in the frame: speed at lock", "m/s", 1.8, hung.lock_speed, None, source),
     ]
 

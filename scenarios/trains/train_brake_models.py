@@ -70,7 +70,7 @@ def errors(
     brake_model: str, found: Mapping[tuple[ModelledStop, str], tuple[float, float, float]], lengths: tuple[float, ...]
 ) -> Error:
     """Return the errors against the reference; no train is longer than the brake model allows."""
-    within = [one for one in scenes(lengths) if one.length <= BRAKE_MODELS_BY_COST[brake_model].longest]
+    within = [scene for scene in scenes(lengths) if scene.length <= BRAKE_MODELS_BY_COST[brake_model].longest]
     pairs = [(found[one, brake_model], found[one, REFERENCE]) for one in within]
     distance = max(abs(a[0] / b[0] - 1) for a, b in pairs)
     force = max((abs(a[1] / b[1] - 1) for a, b in pairs if b[1] > LEAST), default=0.0)
@@ -126,7 +126,7 @@ def draw(
     figure, axes = charts(message, ("", ""), (10.0, 4.6), sharey=True)
     for axis, which, label in zip(axes, (0, 1), ("stopping distance", "largest compression"), strict=True):
         for colour, mark, length in zip((*FOUR, GREY), "o^sDv", sorted({one.length for one, _ in found}), strict=False):
-            kept = [one for one in scenes((length,)) if which == 0 or found[one, REFERENCE][1] > LEAST]
+            kept = [scene for scene in scenes((length,)) if which == 0 or found[scene, REFERENCE][1] > LEAST]
             due = [found[one, REFERENCE][which] for one in kept]
             pairs = {name: zip([found[one, name][which] for one in kept], due, strict=True) for name in names}
             off_by = [max((100 * abs(a / b - 1) for a, b in pairs[name]), default=np.nan) for name in names]

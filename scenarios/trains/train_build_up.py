@@ -49,7 +49,7 @@ def consist_of(mode: str, length: float) -> Consist:
 
 def with_distributors(consist: Consist, **changes: float) -> Consist:
     """Return the consist with all distributors changed alike."""
-    vehicles = [replace(one, distributor=replace(one.distributor, **changes)) for one in consist.vehicles]
+    vehicles = [replace(vehicle, distributor=replace(vehicle.distributor, **changes)) for vehicle in consist.vehicles]
     return Consist(tuple(vehicles))
 
 
@@ -69,7 +69,7 @@ def slower(consist: Consist, mode: str) -> Consist:
 
 def with_branches(consist: Consist, volume: float) -> Consist:
     """Return the consist with branches of its pipe, one volume in each vehicle [m3]."""
-    return Consist(tuple(replace(one, branch=volume) for one in consist.vehicles))
+    return Consist(tuple(replace(vehicle, branch=volume) for vehicle in consist.vehicles))
 
 
 def slowest(consist: Consist, mode: str) -> Consist:
@@ -161,7 +161,7 @@ def draw(found: Mapping[tuple[str, float], tuple[float, Course]], moved: Mapping
     titles = {"equivalent build-up time [s]": "length [m]", "what is not known": "moves the build-up time by [s]"}
     figure, (times, unknowns) = charts(message, titles, (11.0, 4.8))
     for colour, mark, (mode, lengths) in zip((FOUR[0], FOUR[2], FOUR[3]), "os^", LENGTHS.items(), strict=True):
-        own = [found[mode, one][0] for one in lengths]
+        own = [found[mode, length][0] for length in lengths]
         times.plot(lengths, own, mark + "-", color=colour, label=f"{mode}, physics")
         fine = np.linspace(lengths[0], lengths[-1], 50)
         times.plot(fine, [formula(CASES[mode], one) for one in fine], "--", color=colour, label=f"{mode}, formula")

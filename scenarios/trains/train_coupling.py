@@ -31,7 +31,7 @@ LONG = 15.0
 def impact(coupler: Coupler, speed: float, standing: int = STANDING) -> tuple[Train, Course]:
     """Run the last vehicle from behind, uncoupled; it is coupled at the first contact."""
     consist = Consist(block_train(standing, coupler=coupler).vehicles[: standing + 1])
-    free = tuple(_rolling(one, coupler) for one in consist.vehicles)
+    free = tuple(_rolling(vehicle, coupler) for vehicle in consist.vehicles)
     train = Train(Consist(free), settings=Settings(brake_model="delay", share=0.02))
     train.inputs["coupling_closed"][-1] = 0.0
     state = train.motion
@@ -42,9 +42,9 @@ def impact(coupler: Coupler, speed: float, standing: int = STANDING) -> tuple[Tr
     return train, follow(train, GAP / speed + LONG, 0.01)
 
 
-def _rolling(one: TrainVehicle, coupler: Coupler) -> TrainVehicle:
+def _rolling(train_vehicle: TrainVehicle, coupler: Coupler) -> TrainVehicle:
     """Return a vehicle that stands or rolls without resistance."""
-    return replace(one, mass=80e3, rotating_share=1e-9, resistance=(0.0, 0.0, 0.0), coupler=coupler)
+    return replace(train_vehicle, mass=80e3, rotating_share=1e-9, resistance=(0.0, 0.0, 0.0), coupler=coupler)
 
 
 MEASURES: tuple[Measure[Train], ...] = (
@@ -64,7 +64,7 @@ def run(options: Options, quick: bool = False) -> Report:
         asked, value = near(due, CLOSED * due), 1e-3 * train.largest_compression
         rows.append(measured(f"{name}: compression", "kN", value, "v sqrt(k m / 2)", asked))
     for (name, speed), (train, course) in found.items():
-        mass = np.array([one.mass for one in train.consist.vehicles])
+        mass = np.array([vehicle.mass for vehicle in train.consist.vehicles])
         kept = abs(mass @ course.speed[-1] / (mass[-1] * speed) - 1.0)
         rows.append(measured(f"{name}, {speed:g} m/s: momentum that is missing", "1", kept, "Newton", at_most(1e-9)))
     trains = {f"{name}, {speed:g} m/s": train for (name, speed), (train, _) in found.items()}

@@ -50,7 +50,7 @@ def train_of(rail: RailCondition) -> Train:
     law = rail.law.values()
     falls: dict[str, Any] = {name: law[name] for name in ("friction_ratio", "friction_decay")}
     vehicles = (locomotive(), *[coach()] * COACHES)
-    train = Train(Consist(tuple(replace(one, **falls) for one in vehicles)), speed=SPEED)
+    train = Train(Consist(tuple(replace(vehicle, **falls) for vehicle in vehicles)), speed=SPEED)
     train.inputs["friction"][:] = rail.friction
     return train
 

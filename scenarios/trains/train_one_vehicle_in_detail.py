@@ -63,8 +63,8 @@ def emergency(level: int, way: str, size: float, long: float) -> MixedStop:
     return MixedStop(one.train.largest_compression, float(one.train.distance[0]), _course(one, size))
 
 
-def _course(one: MixedTrain, size: float) -> Recording:
-    rows = [[(n + 1) * size, force[PLACE - 1], force[PLACE]] for n, force in enumerate(one.forces)]
+def _course(mixed_train: MixedTrain, size: float) -> Recording:
+    rows = [[(n + 1) * size, force[PLACE - 1], force[PLACE]] for n, force in enumerate(mixed_train.forces)]
     return Recording({"time": "s", "coupler_force_front": "N", "coupler_force_rear": "N"}, rows)
 
 

@@ -33,7 +33,7 @@ AMBIENT, GAS, WARM = 101325.0, 287.05287, 293.15
 def standing(gradient: float, leak: float) -> tuple[Train, Course]:
     """Run full service; then the driver's valve is shut off, the engine stops, and the pipe has no supply."""
     own = replace(freight(), cylinder_leak=leak)
-    vehicles = tuple(replace(one, distributor=own, valve_delay=-1.0) for one in block_train(WAGONS).vehicles)
+    vehicles = tuple(replace(vehicle, distributor=own, valve_delay=-1.0) for vehicle in block_train(WAGONS).vehicles)
     rows = {"distance": np.array([-1e5, 1e5]), "gradient": np.full(2, gradient), "curvature": np.zeros(2)}
     train = Train(Consist(vehicles), cylinder=380e3, pipe=350e3, line=Line(rows), settings=Settings(cells=1))
     train.drive("shut-off")
@@ -59,8 +59,8 @@ def holding_pressure(gradient: float) -> float:
 
     def held(pressure: float) -> float:
         forces = 0.0
-        for one in train.vehicles:
-            b = one.brake
+        for vehicle in train.vehicles:
+            b = vehicle.brake
             pressed = b.efficiency * max(b.force_per_pressure * pressure - b.counter_force, 0.0)
             forces += pressed * (composite_at_rest(pressed / b.shoes) if b.friction_law else b.constant_friction)
         return forces

@@ -79,7 +79,7 @@ def rows_of_run(driver: TimetableDriver, train: Train, run: Recording) -> list[R
         if STOPS[number - 1].arrival:
             rows.append(measured(f"stop {number}: late", "s", call.late, "driver", near(0.0, TIME)))
     speed, way = run["speed"], np.diff(run["distance"])
-    a, b, c = np.sum([one.resistance for one in train.consist.vehicles], axis=0)
+    a, b, c = np.sum([vehicle.resistance for vehicle in train.consist.vehicles], axis=0)
     force = a + b * speed + c * speed**2
     resisted = float(np.sum((force[1:] + force[:-1]) / 2 * way))
     motors, electric, brakes = (run[name][-1] for name in ("traction_energy", "electric_brake_energy", "brake_heat"))
@@ -107,8 +107,8 @@ def draw(found: Recording, driver: TimetableDriver) -> Figure:
     axes[0].plot(far, 3.6 * found["speed"], color=LEADING, label="speed")
     places = 1e-3 * np.array([*(place for place, _ in LIMITS), STOPS[-1].place])
     axes[0].step(places, 3.6 * np.array([*(v for _, v in LIMITS), LIMITS[-1][1]]), where="post", color="grey", ls="--")
-    for one in STOPS:
-        axes[0].axvline(1e-3 * one.place, color="grey", lw=0.8)
+    for stop in STOPS:
+        axes[0].axvline(1e-3 * stop.place, color="grey", lw=0.8)
     axes[1].plot(far, found["traction_energy"] / 3.6e6, color=LEADING, label="motors")
     axes[1].plot(far, found["brake_heat"] / 3.6e6, color=TRAILING, label="brakes")
     axes[1].legend(fontsize=8)

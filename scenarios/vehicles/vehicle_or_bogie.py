@@ -215,7 +215,7 @@ def draw(found: VehicleAgainstBogie) -> Figure:
     axes[0].legend(fontsize=8)
     draw_locks(axes[1], found.locks)
     draw_costs(axes[2], found.costs)
-    largest = 100 * max(abs(one.distance) for one in found.differences.values())
+    largest = 100 * max(abs(difference.distance) for difference in found.differences.values())
     return titled(figure, f"One bogie stands for the vehicle within {largest:.2g} % of the distance")
 
 
