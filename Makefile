@@ -77,7 +77,7 @@ $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
 
 # The screenshots of the documentation, by the tests of the pages in a browser.
 screenshots: $(VENV)/test-installed
-	BOGIE_BRAKING_PICTURES=docs/pictures $(RUN) -m pytest -p no:xdist tests/scenarios/test_live.py tests/scenarios/test_train_page.py
+	BOGIE_BRAKING_PICTURES=docs/pictures $(RUN) -m pytest -p no:xdist tests/bogie_braking/test_live.py tests/bogie_braking/test_train_page.py
 
 # Updates the measured numbers on the pages, and writes pages with generated tables into build/pages/.
 pages: $(VENV)/demo-installed

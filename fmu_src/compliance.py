@@ -9,7 +9,7 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Check:
     """A rule. `of`: the function or element of the standard that it belongs to, by kind of FMU; where it is not, the
-    rule does not apply. `test`: name of a function in tests/fmu.
+    rule does not apply. `test`: name of a function in tests/fmu_src/fmi.
     """
 
     what: str

@@ -90,8 +90,8 @@ def compliance(model: Model, kind: str) -> str:
     return (
         f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}: compliance</title>\n{STYLE}'
         f"<h1>{model.name}: what of the standard is tested</h1>\n"
-        f"<p>FMI {'3.0' if kind == 'fmi3' else '2.0'} for {interfaces}. The tests are in <code>tests/fmu</code> of "
-        "the project that made this FMU.</p>\n"
+        f"<p>FMI {'3.0' if kind == 'fmi3' else '2.0'} for {interfaces}. The tests are in "
+        "<code>tests/fmu_src/fmi</code> of the project that made this FMU.</p>\n"
         "<table><tr><th>of</th><th>what is kept</th><th>test</th></tr>\n" + "\n".join(rows) + "\n</table>\n"
         f"{_answered_by_pythonfmu() if kind == 'python' else ''}</html>\n"
     )

@@ -18,12 +18,12 @@ from rbd_model.contact.patches import SEARCH_PITCH, Part, patches_of
 from rbd_model.track.line import Segment, line_of
 from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import Vehicle, wheelset_name
-from tests.maximal.correspondence import bodies_of, rates_of
-from tests.maximal.machine import SIDES, Machine
-from tests.maximal.motion import Moving
-from tests.maximal.overlap import part_of
-from tests.maximal.rails import Course, RailData, Rails, prisms
-from tests.maximal.touch import Wheel
+from tests.evidence.maximal.correspondence import bodies_of, rates_of
+from tests.evidence.maximal.machine import SIDES, Machine
+from tests.evidence.maximal.motion import Moving
+from tests.evidence.maximal.overlap import part_of
+from tests.evidence.maximal.rails import Course, RailData, Rails, prisms
+from tests.evidence.maximal.touch import Wheel
 
 #: Force [N] up to which a patch is unloaded: the least approach of a contact (`contact/elastic.py`) leaves 1e-8 N.
 UNLOADED = 1e-6

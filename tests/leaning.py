@@ -8,9 +8,9 @@ import numpy as np
 
 from rbd_model.vehicle.description import SuspensionElement, Vehicle, wheelset_name
 from tests.balance import curve, parts
-from tests.maximal.correspondence import bodies_of
-from tests.maximal.joints import End, on_bodies, wrenches
-from tests.maximal.statics import preloads
+from tests.evidence.maximal.correspondence import bodies_of
+from tests.evidence.maximal.joints import End, on_bodies, wrenches
+from tests.evidence.maximal.statics import preloads
 
 #: Displacement of the bodies for difference quotients of forces [m], [rad].
 AWAY = 1e-4

@@ -4,8 +4,9 @@
   python docs/generate/numbers_of_pages.py --collect    first the cited rows and the figures of CHARTS, from results/
 
 A mark is a comment after a number, invisible on the page: `14<!--= contact-manchester | QUANTITY | .0f -->` is a row
-of a scenario's summary.json, `10 000<!--= tests/test_rare.py | RUNS | -->` a constant of a test. A format with + keeps
-the sign. Tests that run a cited scenario compare its rows with the stored ones (tests/scenarios/test_scenarios.py).
+of a scenario's summary.json, `10 000<!--= tests/bogie_braking/test_rare.py | RUNS | -->` a constant of a test. A format
+with + keeps the sign. Tests that run a cited scenario compare its rows with the stored ones
+(tests/scenarios/test_scenarios.py).
 """
 
 import ast

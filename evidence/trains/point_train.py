@@ -1,7 +1,7 @@
 """Stops of a train as one mass: brake forces of its vehicles by their own cylinders, many stops at once.
 
 Cylinders are filled in a standing train, because their pressures do not depend on its speed. The stops then cost
-nothing: couplers change the distance of a train by less than 0.3 % (tests/scenarios/test_point_train.py).
+nothing: couplers change the distance of a train by less than 0.3 % (tests/evidence/test_point_train.py).
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from products.protection.runs import Run
 from rbd_model.contact.friction import constant_friction
 from rbd_model.track.friction import low, wet
 
-#: Speeds [m/s] and friction without leaves, the least and the most, as in tests/rail_programme.py.
+#: Speeds [m/s] and friction without leaves, the least and the most, as in tests/products/protection/rail_programme.py.
 SPEEDS, FRICTIONS = (15.0, 40.0), (0.04, 0.15)
 #: Share of rails whose friction decreases with sliding speed, as Polach's low set does; assumed.
 FALLING = 0.5

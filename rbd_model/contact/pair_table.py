@@ -139,7 +139,8 @@ def side_record(side: Side, stands: float) -> Record:
     if max(patch.slopes[1] for patch in patches) < TREAD_SLOPE:
         raise BadInputError(
             f"A wheel of a contact table must have a flange; {side.wheel.name} on {side.rail.name} touches on its "
-            "tread alone at all shifts. Check gauge, flange back and the side of y that is turned to the middle of the track."
+            "tread alone at all shifts. Check gauge, flange back and the side of y that is turned to the middle of the "
+            "track."
         )
     limits = *side.wheel.limits, *side.rail.limits
     numbers = side.wheel_half_distance, side.rail_half_distance, *limits, *shape_at(side, stands)

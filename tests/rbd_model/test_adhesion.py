@@ -24,7 +24,7 @@ from rbd_model.track.friction import CONDITIONS, RailCondition, dry, even_rail, 
 from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 BOGIE = tables_5_1_and_5_2()
 STEEL, SEMI_AXES = 82e9, (6e-3, 5e-3)

@@ -11,7 +11,7 @@ from rbd_model.contact.friction import Surface
 from rbd_model.track.adhesion_laws import curtius_kniffler, fallen_friction, recovered_friction
 from rbd_model.track.friction import CONDITIONS, low
 from rbd_model.track.recovery import assumed_recovery, rail_adhesion
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 
 def test_curtius_and_kniffler_by_hand() -> None:

@@ -21,7 +21,7 @@ from rbd_model.linear import oscillations
 from rbd_model.vehicle.parameters import BogieParameters, tables_5_1_and_5_2, tables_8_1_and_8_2
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.thesis.traction_braking import load_transfer
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 POINT, PLANAR, SPATIAL = 1, 2, 3
 #: Tolerances of docs/checking.md: acceleration 0.1 %, energy 1e-6 of the loss, load transfer 0.5 % of moments about the

@@ -11,7 +11,7 @@ from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.system import model_of
 from rbd_model.contact.geometry import thesis_pair
 from rbd_model.track.line import arc, clothoid, line_of, straight
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 from tests.rbd_model.test_standing import MAKERS, MASS, P
 
 RADIUS = 300.0

@@ -29,7 +29,7 @@ from rbd_model.vehicle.description import (
 )
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
-from tests.maximal.joints import table_energy, table_force
+from tests.evidence.maximal.joints import table_energy, table_force
 
 #: Integration tolerance of the blocks, and their tolerance against a closed form.
 TOLERANCE, CLOSED_FORM = 1e-9, 1e-6

@@ -17,7 +17,7 @@ from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.vehicle.parameters import VehicleParameters, coach_with_traction_rods, coal_wagon, manchester_vehicle_1
 from rbd_model.vehicle.ready import passenger_coach
 from scenarios.bench.four_axles import rigid_axle_loads
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 PLANAR, SPATIAL = 2, 3
 NUMBERS = (1, 2, 3, 4)

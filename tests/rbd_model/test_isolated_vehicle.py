@@ -28,11 +28,11 @@ from rbd_model.vehicle.description import (
 )
 from rbd_model.vehicle.ready import two_axle_bogie
 from tests.balance import parts, pushed
-from tests.maximal.correspondence import bodies_of, rates_of
-from tests.maximal.machine import ENERGIES, POWERS, Machine
-from tests.maximal.oracle import Scene
-from tests.maximal.rails import STRAIGHT
-from tests.maximal.states import random_course
+from tests.evidence.maximal.correspondence import bodies_of, rates_of
+from tests.evidence.maximal.machine import ENERGIES, POWERS, Machine
+from tests.evidence.maximal.oracle import Scene
+from tests.evidence.maximal.rails import STRAIGHT
+from tests.evidence.maximal.states import random_course
 
 #: Tolerance of sums that cancel, as a share of the terms; velocities of 10 m/s are differenced over 1e-6 s: 2e-11.
 MOMENTUM_BAND = 1e-10

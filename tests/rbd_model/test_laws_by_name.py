@@ -21,7 +21,7 @@ from rbd_model.contact.hertz import POISSON_RATIO, ellipse_shape
 from rbd_model.levels.models import STRIPS, places_of
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from rbd_model.wheelset.pressing_patch import pressing_patch
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 #: Torques of a wheelset [N.m]: one at which every law with Kalker's slope is linear, and a third of that which locks
 #: it.

@@ -43,7 +43,7 @@ from rbd_model.track.line import (
 from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import HOLDABLE, RigidBody, Springs, Vehicle, Wheelset
 from rbd_model.vehicle.ready import two_axle_bogie
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 SIDES = (("left", "right"), ("right", "left"))
 ENERGIES = ("kinetic_energy", "potential_energy")

@@ -15,7 +15,7 @@ from rbd_model.levels.planar import planar_vehicle
 from rbd_model.levels.point import point_vehicle
 from rbd_model.vehicle.description import Springs, Vehicle, Wheelset
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 LEVELS = {"point": point_vehicle, "planar": planar_vehicle}
 #: Brake torque far below the adhesion limit, by the number of axles [N.m].

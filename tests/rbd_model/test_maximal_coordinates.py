@@ -21,15 +21,15 @@ import pytest
 
 from rbd_model.vehicle.description import Springs, SuspensionElement, Vehicle
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
-from tests.maximal import joints
-from tests.maximal import oracle as oracles
-from tests.maximal.correspondence import bodies_of, rates_of
-from tests.maximal.joints import STEP, Carriers, Ends, on_bodies, wrenches
-from tests.maximal.machine import Answer, Machine
-from tests.maximal.motion import Moving
-from tests.maximal.oracle import Oracle
-from tests.maximal.rails import STRAIGHT, Course, prisms, swept
-from tests.maximal.states import Snapshot, random_course, random_state
+from tests.evidence.maximal import joints
+from tests.evidence.maximal import oracle as oracles
+from tests.evidence.maximal.correspondence import bodies_of, rates_of
+from tests.evidence.maximal.joints import STEP, Carriers, Ends, on_bodies, wrenches
+from tests.evidence.maximal.machine import Answer, Machine
+from tests.evidence.maximal.motion import Moving
+from tests.evidence.maximal.oracle import Oracle
+from tests.evidence.maximal.rails import STRAIGHT, Course, prisms, swept
+from tests.evidence.maximal.states import Snapshot, random_course, random_state
 
 VEHICLES: dict[str, Callable[[], Vehicle]] = {"bogie": two_axle_bogie, "coach": passenger_coach}
 #: Grid pitches of the contact search [m], each half of the previous one.
@@ -202,7 +202,7 @@ ORACLE = ("hertz", "joints", "motion", "oracle", "overlap", "rails", "slip", "st
 def test_oracle_reads_data_and_no_equation(name: str) -> None:
     text = (Path(oracles.__file__).parent / f"{name}.py").read_text(encoding="utf-8")
     read = set(re.findall(r"^(?:from|import) ([\w.]+)", text, re.MULTILINE))
-    own = {f"tests.maximal.{one}" for one in ORACLE}
+    own = {f"tests.evidence.maximal.{one}" for one in ORACLE}
     assert {one for one in read if one.split(".")[0] in ("rbd_model", "fmu_src", "scenarios", "casadi")} <= DATA
     assert {one for one in read if one.startswith("tests")} <= own
 

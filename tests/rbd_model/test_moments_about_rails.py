@@ -24,10 +24,10 @@ from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.description import Vehicle, as_sum
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 from tests.balance import Now, Reaction, curve, file_of, imbalance, in_plane, in_space, parts
+from tests.evidence.maximal.machine import Machine
+from tests.evidence.maximal.rails import Course, swept
+from tests.fmu_src.quick_library import quick_library
 from tests.leaning import Pushed, Springs
-from tests.maximal.machine import Machine
-from tests.maximal.rails import Course, swept
-from tests.quick_library import quick_library
 
 VEHICLES: dict[str, Callable[[], Vehicle]] = {"bogie": two_axle_bogie, "coach": passenger_coach}
 #: Brake torque of each wheelset [N.m], a deceleration of 1.1 m/s2, and the time of its ramp [s].

@@ -18,7 +18,7 @@ from rbd_model.track.line import Line, read_line
 from rbd_model.track.line_table import ROUNDING
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 #: A vertical curve of 120 m to 15 per mille, and one of 200 m back to level.
 PLACES, GRADIENTS = [-100.0, 100.0, 220.0, 1500.0, 1700.0, 3000.0], [0.0, 0.0, 0.015, 0.015, 0.0, 0.0]

@@ -29,7 +29,7 @@ from rbd_model.vehicle.ready import two_axle_bogie, wheelset_under_frame
 from rbd_model.wheelset.standing import lift_until_static
 from rbd_model.wheelset.wheel_on_record import FLANGES
 from readers.text import BadInputError
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 #: Profiles of EN 15302.
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"

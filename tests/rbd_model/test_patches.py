@@ -30,7 +30,7 @@ from rbd_model.vehicle.description import as_sum
 from rbd_model.vehicle.ready import two_axle_bogie, wheelset_under_frame
 from scenarios.bench.climbing_wheelset import INTERVAL, climbing_wheelset, push
 from scenarios.contact import contact_manchester as manchester
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 STEEL = 82e9
 #: Tolerance of the friction force of locked wheels: yaw and lateral sliding turn it slightly away from the track axis.

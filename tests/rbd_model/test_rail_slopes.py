@@ -15,7 +15,7 @@ import pytest
 from fmu_src.kernel import Kernel, Library
 from rbd_model.track.line import Line
 from rbd_model.vehicle.ready import two_axle_bogie
-from tests.maximal.machine import Machine
+from tests.evidence.maximal.machine import Machine
 
 #: Slope of the rails [1], speed [m/s], and position of the leading wheelset on the line [m].
 SLOPE, SPEED, PLACE = 1e-3, 20.0, 50.0

@@ -11,7 +11,7 @@ import pytest
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
 from rbd_model.track.line import line_of, straight
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 from tests.rbd_model.test_standing import MAKERS, MASS, P
 
 ROLLING = MASS + 2 * P.wheelset_pitch_inertia / P.wheel_radius**2

@@ -33,7 +33,7 @@ from rbd_model.vehicle.variables import LARGEST_LATERAL, LARGEST_YAW
 from rbd_model.wheelset.in_space import END_MARGIN
 from rbd_model.wheelset.rigid_part import nadal_limit
 from rbd_model.wheelset.touch import SIDES
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")

@@ -15,7 +15,7 @@ from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.track.line import line_of, straight
 from rbd_model.vehicle.ready import two_axle_bogie
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 BOGIE = two_axle_bogie()
 P = BOGIE.parameters

@@ -24,7 +24,7 @@ from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import FrictionSlider, SeriesDamper, Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie
 from scenarios.bench.curves import suited_speed
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 VEHICLES = {"bogie": two_axle_bogie(), "vehicle": passenger_coach(), "coal-wagon": loaded_coal_wagon()}
 GRAVITY = 9.81

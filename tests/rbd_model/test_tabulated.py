@@ -20,7 +20,7 @@ from rbd_model.contact.depth import Contact
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.vehicle.ready import wheelset_under_frame
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 #: Errors between the nodes of the table, of mu N: measured 0.53 % at the cases of exact theory, 0.07 % on average.
 TABLE_ERROR, MEAN_ERROR = 0.01, 0.003

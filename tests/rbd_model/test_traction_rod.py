@@ -15,7 +15,7 @@ from products.kernel_runs import prepare, system_of
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.parameters import VehicleParameters, coach_with_traction_rods, manchester_vehicle_1
 from rbd_model.vehicle.ready import passenger_coach
-from tests.quick_library import quick_library
+from tests.fmu_src.quick_library import quick_library
 
 PLANAR, SPATIAL = 2, 3
 NUMBERS = (1, 2, 3, 4)

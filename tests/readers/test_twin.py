@@ -20,7 +20,7 @@ from rbd_model.track.line import NAMES, read_line
 from rbd_model.track.line_table import LARGEST_TURN, LINE
 from readers.text import FileError
 from readers.units import SPELLINGS, factor, twins_of
-from tests.fmu.sanitized import SANITIZERS
+from tests.fmu_src.fmi.sanitized import SANITIZERS
 from tests.readers.mutations import LINES, mutated
 
 COUNT = 2000

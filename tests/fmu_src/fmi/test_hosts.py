@@ -1,0 +1,79 @@
+"""The host programs in an archive give the same values as FMPy and refuse wrong names with a message."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from fmu_src import compile as compiling
+from fmu_src.native_fmu import HOST_FILES
+from tests.fmu_src.fmi.programs import call, found_here, shown
+from tests.needed import needed
+
+GIVEN = {"pressure_demand": 180e3, "cylinder_model": 2}
+MONO = {"mcs": "mono-mcs", "mono": "mono-runtime"}
+OUTPUTS = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
+
+
+@pytest.fixture
+def documentation(fmus: Mapping, tmp_path: Path) -> Path:
+    """Unpack the brake; return the folder of the host programs."""
+    with zipfile.ZipFile(fmus["brake", "native"]) as archive:
+        archive.extractall(tmp_path)
+    return tmp_path / "documentation"
+
+
+@pytest.fixture(scope="module")
+def expected(fmus: Mapping) -> dict[str, float]:
+    return found_here(fmus["brake", "native"], GIVEN, OUTPUTS)
+
+
+def refusal(command: list[str | Path], folder: Path) -> str:
+    """Return the error message for an unknown name."""
+    done = call(command, folder, "presure=1")
+    assert done.returncode == 1
+    return done.stderr
+
+
+def test_cpp(documentation: Path, expected: dict[str, float]) -> None:
+    environment = os.environ | {"ZIG_GLOBAL_CACHE_DIR": str(compiling.CACHE / "zig")}
+    compiler = [shutil.which("c++")] if shutil.which("c++") else [sys.executable, "-m", "ziglang", "c++"]
+    strict = ["-std=c++17", "-Wall", "-Wextra", "-Werror", "-I../sources", "host.cpp", "-ldl", "-o", "host"]
+    done = subprocess.run([*compiler, *strict], cwd=documentation, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    [library] = (documentation.parent / "binaries").rglob("BrakeCylinder.*")
+    command = [documentation / "host", library]
+    assert shown(command, documentation, GIVEN) == expected
+    assert refusal(command, documentation) == "presure=1 was refused with status 3.\n"
+    none = subprocess.run([documentation / "host", "nowhere"], capture_output=True, text=True)
+    assert none.stderr == "The library as the first argument has no fmi2Instantiate.\n"
+
+
+def test_csharp(documentation: Path, expected: dict[str, float]) -> None:
+    compiler, mono = (needed(name, packages=package) for name, package in MONO.items())
+    subprocess.run([compiler, "-warnaserror", "host.cs"], cwd=documentation, check=True)
+    [library] = (documentation.parent / "binaries").rglob("BrakeCylinder.*")
+    shutil.copyfile(library, documentation / f"lib{library.name}")
+    assert shown([mono, "host.exe"], documentation, GIVEN) == expected
+    assert refusal([mono, "host.exe"], documentation) == "presure=1 was refused with status 3.\n"
+
+
+def test_python(documentation: Path, expected: dict[str, float], fmus: Mapping) -> None:
+    for fmu in ("..", fmus["brake", "fmi3"]):
+        assert shown([sys.executable, "host.py", fmu], documentation, GIVEN) == expected
+
+
+@pytest.mark.parametrize(("kind", "version"), [("native", 2), ("fmi3", 3)])
+def test_no_place_for_a_name_is_left(fmus: Mapping, kind: str, version: int) -> None:
+    with zipfile.ZipFile(fmus["brake", kind]) as archive:
+        for name in HOST_FILES[version]:
+            text = archive.read(f"documentation/{name}").decode()
+            assert "BrakeCylinder" in text
+            assert "@" not in text
