@@ -12,7 +12,7 @@ from bogie_braking.checks import shown
 from bogie_braking.fitting import Fit
 from bogie_braking.friction_fitting import FrictionField, fit_friction
 from bogie_braking.machines import Runnable
-from bogie_braking.measured_data import Options
+from bogie_braking.measured_data import DataOptions
 from bogie_braking.run_fitting import fit_run
 from bogie_braking.train_fitting import fit_train
 from fmu_src.cosimulation.recording import Recording
@@ -130,7 +130,7 @@ def fit(
     SimulationError
         If a run is refused.
     """
-    options = Options(until, begin, columns, interval, longest_gap)
+    options = DataOptions(until, begin, columns, interval, longest_gap)
     if places is not None:
         for name, value in vars(options).items():
             if value is not None and name != "columns":

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from bogie_braking.checks import known, line_or_none, near, number, shown
 from bogie_braking.fitting import check_begin
 from bogie_braking.friction_logs import FrictionLog, Numbers, friction_logs
-from bogie_braking.friction_model import OF_RAIL, SLIDES, Axles, Stretch, stretches_of, used_adhesion
-from bogie_braking.friction_search import NO_SCATTER, Found, Search, block_of, search
+from bogie_braking.friction_model import OF_RAIL, SLIDES, Axles, LogStretch, stretches_of, used_adhesion
+from bogie_braking.friction_search import NO_SCATTER, Search, SearchResult, block_of, search
 from products.machine import MACHINES
 from products.registry import fmu_named
 from products.vehicle_file import DataSheet
@@ -181,14 +181,14 @@ def _places_of(places: ArrayLike, logs: Sequence[FrictionLog], axles: Axles) -> 
     return at
 
 
-def _time_near(stretch: Stretch) -> Numbers:
+def _time_near(stretch: LogStretch) -> Numbers:
     """Return for each knot the time in which wheelsets slid near it [s]."""
     step = np.diff(stretch.time)[:, None] * stretch.slides
     return np.asarray(np.einsum("sw,swk->k", step, (stretch.hats[1:] + stretch.hats[:-1]) / 2))
 
 
 def _field_of(
-    problem: Search, found: Found, logs: Sequence[FrictionLog], at: Numbers, weight: Numbers
+    problem: Search, found: SearchResult, logs: Sequence[FrictionLog], at: Numbers, weight: Numbers
 ) -> FrictionField:
     """Return the result; weight: time in which wheelsets slid near each knot, shape (stretches, knots)."""
     count, there = problem.count, problem.determined.copy()

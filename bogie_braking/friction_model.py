@@ -116,7 +116,7 @@ class Axles:
             loads = self.loads + (used * loads + rolling) @ self.transfer.T
         return loads
 
-    def used(self, friction: Numbers, stretch: Stretch, rail: Mapping[str, float]) -> list[Numbers]:
+    def used(self, friction: Numbers, stretch: LogStretch, rail: Mapping[str, float]) -> list[Numbers]:
         """Return force over load and its derivative by friction, shape (rows, wheelsets); 0 where a wheelset rolls."""
         law = (rail["friction_ratio"], rail["friction_decay"], rail["adhesion_reduction"], rail["slip_reduction"])
         row, place = there = np.nonzero(stretch.ever)
@@ -152,7 +152,7 @@ def load_transfer(vehicle: str | Vehicle, wheelsets: int, values: tuple[tuple[st
 
 
 @dataclass(frozen=True)
-class Stretch:
+class LogStretch:
     """Rows of a log over which the speed is integrated.
 
     known, by_torque: change of speed in a step [m/s], by gravity, resistance and the inertia of rolling wheelsets, and
@@ -192,7 +192,7 @@ class Stretch:
         return np.r_[0.0, np.cumsum(gain)], np.vstack([np.zeros(slopes.shape[1]), np.cumsum(slopes, axis=0)])
 
 
-def stretches_of(log: FrictionLog, number: int, axles: Axles, places: Numbers, line: Line | None) -> list[Stretch]:
+def stretches_of(log: FrictionLog, number: int, axles: Axles, places: Numbers, line: Line | None) -> list[LogStretch]:
     """Return the stretches of a log in which each wheelset slides, or rolls with a logged torque.
 
     A stretch in which no wheelset slides at all is left out.
@@ -219,7 +219,7 @@ def stretches_of(log: FrictionLog, number: int, axles: Axles, places: Numbers, l
         if both[steps].any():
             row = log.time[rows], log.speed[rows], np.nan_to_num(sliding[rows])
             rolling = np.where(slides[rows], 0.0, np.nan_to_num(log.torque[rows])) / axles.radii
-            found.append(Stretch(number, *row, both[steps], known[steps], by_torque[steps], rolling, hats[rows]))
+            found.append(LogStretch(number, *row, both[steps], known[steps], by_torque[steps], rolling, hats[rows]))
     return found
 
 

@@ -17,7 +17,7 @@ from scipy.stats import t
 
 from bogie_braking.correlated import Errors, errors_of
 from bogie_braking.friction_logs import Numbers
-from bogie_braking.friction_model import Axles, Stretch
+from bogie_braking.friction_model import Axles, LogStretch
 
 #: Rows are averaged over this time [s]. Time between the errors of two logs, which are independent [s].
 BLOCK, APART = 0.2, 1e4
@@ -46,7 +46,7 @@ class Search:
     """
 
     axles: Axles
-    stretches: list[Stretch]
+    stretches: list[LogStretch]
     determined: np.ndarray
     beside: tuple[str, ...]
     by_torque: bool
@@ -140,7 +140,7 @@ class Search:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """Result of a search: parameters, their standard errors (infinite: not determined), half of their intervals, the
     scatter between logs, and deviations of the logged speeds [m/s].
     """
@@ -152,7 +152,7 @@ class Found:
     deviations: Numbers
 
 
-def search(problem: Search, first: Numbers, limits: Numbers) -> Found:
+def search(problem: Search, first: Numbers, limits: Numbers) -> SearchResult:
     """Return the parameters that fit best, with intervals; first, limits: of the shared parameters."""
     first = np.r_[first, np.zeros(problem.logs.size)]
     limits = np.vstack([limits, np.tile([-0.9, 9.0], (problem.logs.size, 1))])
@@ -168,15 +168,15 @@ def search(problem: Search, first: Numbers, limits: Numbers) -> Found:
     standard = np.where(lost, np.inf, np.sqrt(total))
     # Satterthwaite's degrees of freedom: the scatter is known from a few logs, the errors from many rows.
     free = max(directions, 1) * (total / np.maximum(np.diag(by_scatter), 1e-300)) ** 2
-    return Found(x, standard, t.ppf(0.5 + HOLDS / 2, np.minimum(free, 1e6)) * standard, scatter, deviations)
+    return SearchResult(x, standard, t.ppf(0.5 + HOLDS / 2, np.minimum(free, 1e6)) * standard, scatter, deviations)
 
 
-def block_of(stretch: Stretch) -> np.ndarray:
+def block_of(stretch: LogStretch) -> np.ndarray:
     """Return the number of the block of each row."""
     return np.asarray(np.floor((stretch.time - stretch.time[0]) / BLOCK + 1e-9).astype(int))
 
 
-def blocks(stretch: Stretch, rows: Numbers) -> Numbers:
+def blocks(stretch: LogStretch, rows: Numbers) -> Numbers:
     """Return means of rows over BLOCK, without the mean of the stretch, whose first speed is not known."""
     used, inverse, counts = np.unique(block_of(stretch), return_inverse=True, return_counts=True)
     found = np.zeros((used.size, *rows.shape[1:]))

@@ -59,7 +59,7 @@ VEHICLES: Mapping[str, Callable[[], Vehicle]] = {
 
 
 @dataclass(frozen=True)
-class Machine:
+class CompiledMachine:
     """Compiled equations with their variables.
 
     fixed: parameters that selected the compiled equations. place: number of the compiled system among those that the
@@ -141,7 +141,7 @@ def _law_named(law: object) -> str:
     return law
 
 
-def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Machine:
+def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> CompiledMachine:
     """Return compiled equations; for a vehicle only the level and the contact model that `values` select.
 
     A vehicle by its name has the variables of all levels; other values may select another system of that FMU.
@@ -229,15 +229,15 @@ def _chosen(name: str, values: Mapping[str, Any], start: int) -> int:
 
 
 @lru_cache
-def machine_at(name: str, place: int | None) -> Machine:
+def machine_at(name: str, place: int | None) -> CompiledMachine:
     """Return a compiled FMU of the list: one of its systems by its number, or all.
 
     All systems are returned too if a release includes them compiled. None: an FMU without levels.
     """
     whole = whole_kernel(name)
     if whole or place is None:
-        return Machine(name, variables_of(name), Library(whole or kernel_of(name)))
-    return Machine(
+        return CompiledMachine(name, variables_of(name), Library(whole or kernel_of(name)))
+    return CompiledMachine(
         name, variables_of(name), Library(kernel_at(name, place, partial(announce, name, place))), place=place
     )
 
@@ -266,15 +266,15 @@ def _key(what: Vehicle) -> Key:
 
 
 @lru_cache
-def _of_a_vehicle(key: Key, places: tuple[int, ...]) -> Machine:
+def _of_a_vehicle(key: Key, places: tuple[int, ...]) -> CompiledMachine:
     return _compiled(model_from(pickle.loads(key[0]), places), frozenset(SELECTORS))
 
 
 @lru_cache
-def _of_a_model(model: Model) -> Machine:
+def _of_a_model(model: Model) -> CompiledMachine:
     return _compiled(model)
 
 
-def _compiled(model: Model, fixed: frozenset[str] = frozenset()) -> Machine:
+def _compiled(model: Model, fixed: frozenset[str] = frozenset()) -> CompiledMachine:
     variables = {variable.name: variable for variable in model.variables}
-    return Machine(model.name, variables, Library(build_library(model)), fixed)
+    return CompiledMachine(model.name, variables, Library(build_library(model)), fixed)

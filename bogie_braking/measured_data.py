@@ -29,7 +29,7 @@ LONGEST = 86400.0
 
 
 @dataclass(frozen=True)
-class Options:
+class DataOptions:
     """How measured data are read and prepared, as the arguments of `calibration.fit`."""
 
     until: float | None = None
@@ -122,7 +122,7 @@ def check_unit(table: Recording, name: str, unit: str, where: str = "the measure
         raise ValueError(f"{name} must be in {unit}; got {table.units[name]} in {where}")
 
 
-def data_of(table: Recording, names: Sequence[str], driven: Sequence[str], options: Options) -> Data:
+def data_of(table: Recording, names: Sequence[str], driven: Sequence[str], options: DataOptions) -> Data:
     """Return measured data; names, driven: of outputs and inputs."""
     clock, begin, interval, longest_gap = table["time"], options.begin, options.interval, options.longest_gap
     for name in (*names, *driven):

@@ -106,7 +106,7 @@ class Rare(FormerNames):
 
 
 @dataclass
-class Runs:
+class NormalRuns:
     """Make the runs of standard normal points, and count those with doubtful outputs.
 
     distributions: of the inputs, by the names that share each. make: makes runs of values by name, in one batch or
@@ -252,7 +252,7 @@ def rare(
         if executor is not None:
             task = partial(batch, what, duration, names, line, 1, False, **values)
             make = partial(made_by, executor, partial(called, task))
-        runs = Runs(distributions, make, output, limit)
+        runs = NormalRuns(distributions, make, output, limit)
         idle, probed = runs.without_effect(seed)
         populations, climbed = climb(runs, len(distributions), limit, particles, moves, seed)
     units = {name: variables[name].unit for name in (*middle, output)}
@@ -260,7 +260,7 @@ def rare(
 
 
 def result_of(
-    runs: Runs,
+    runs: NormalRuns,
     populations: Sequence[Population],
     count: int,
     moves: int,
@@ -314,7 +314,7 @@ def values_of(distributions: Mapping[tuple[str, ...], Distribution], points: Num
     return found
 
 
-def shifts_of(populations: Sequence[Population], runs: Runs) -> dict[str, float]:
+def shifts_of(populations: Sequence[Population], runs: NormalRuns) -> dict[str, float]:
     """Return the mean standard normal number of each input above the limit, the largest first."""
     found = [
         (population.probability, population.points[population.outputs > runs.limit])
@@ -329,7 +329,7 @@ def shifts_of(populations: Sequence[Population], runs: Runs) -> dict[str, float]
     return {runs.labels[place]: float(means[place]) for place in order}
 
 
-def tail_of(populations: Sequence[Population], runs: Runs, units: Mapping[str, str]) -> Recording:
+def tail_of(populations: Sequence[Population], runs: NormalRuns, units: Mapping[str, str]) -> Recording:
     """Return probabilities above limits up to the given one, or to the highest output, with their intervals."""
     first = np.concatenate([population.generations[0].outputs for population in populations])
     highest = max(float(np.max(one.outputs)) for one in populations)
@@ -339,7 +339,7 @@ def tail_of(populations: Sequence[Population], runs: Runs, units: Mapping[str, s
     return Recording({runs.output: units[runs.output], "probability": "1", "lower": "1", "upper": "1"}, rows)
 
 
-def worst_of(populations: Sequence[Population], runs: Runs, units: Mapping[str, str]) -> Recording:
+def worst_of(populations: Sequence[Population], runs: NormalRuns, units: Mapping[str, str]) -> Recording:
     """Return values and output of the runs above the limit, each once; the highest run if none is above."""
     points = np.concatenate([population.points for population in populations])
     outputs = np.concatenate([one.outputs for one in populations])

@@ -10,8 +10,8 @@ import numpy as np
 from bogie_braking.checks import in_unit, known, line_or_none, not_both, number
 from bogie_braking.fitting import Fit, Problem, check_parameters, fit_of
 from bogie_braking.histories import Value
-from bogie_braking.machines import Machine, Runnable, machine_of, model_from, unfolded
-from bogie_braking.measured_data import Options, check_unit, check_units, data_of, log_of, rows_until
+from bogie_braking.machines import CompiledMachine, Runnable, machine_of, model_from, unfolded
+from bogie_braking.measured_data import DataOptions, check_unit, check_units, data_of, log_of, rows_until
 from bogie_braking.simulation import Simulation
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.suggestion import suggestion
@@ -33,7 +33,7 @@ def fit_run(
     measured: Recording | str | Path,
     parameters: Mapping[str, float],
     line: Line | None,
-    options: Options,
+    options: DataOptions,
     values: dict[str, Value],
 ) -> Fit:
     """Fit parameters of a vehicle or a brake; arguments, result and errors are those of `calibration.fit`."""
@@ -63,7 +63,7 @@ def fit_run(
     return fit_of(problem, lacking(driven, {*values, *parameters}, machine))
 
 
-def lacking(driven: Sequence[str], given: Collection[str], machine: Machine) -> list[str]:
+def lacking(driven: Sequence[str], given: Collection[str], machine: CompiledMachine) -> list[str]:
     """Return a warning for inputs that a log has for some wheelsets only: the others stay at their start values."""
     found = []
     for stem in dict.fromkeys(name.rstrip("0123456789") for name in driven if name[-1].isdigit()):
@@ -80,7 +80,7 @@ def lacking(driven: Sequence[str], given: Collection[str], machine: Machine) -> 
     return found
 
 
-def begin_of(parameters: Mapping[str, float], machine: Machine, driven: Sequence[str] = ()) -> np.ndarray:
+def begin_of(parameters: Mapping[str, float], machine: CompiledMachine, driven: Sequence[str] = ()) -> np.ndarray:
     """Return the initial values of parameters, shape (parameters,); `driven`: measured inputs, which cannot be fitted.
 
     Raises ValueError if a parameter cannot be fitted.
@@ -98,7 +98,7 @@ def begin_of(parameters: Mapping[str, float], machine: Machine, driven: Sequence
     return np.array(list(parameters.values()), float)
 
 
-def parted(table: Recording, machine: Machine) -> tuple[list[str], list[str]]:
+def parted(table: Recording, machine: CompiledMachine) -> tuple[list[str], list[str]]:
     """Return the names of measured outputs and of measured inputs.
 
     Raises KeyError if a name is unknown, ValueError if the time or a unit is wrong or no output is measured.

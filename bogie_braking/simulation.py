@@ -12,7 +12,7 @@ import numpy as np
 from bogie_braking.batches import file_of
 from bogie_braking.checks import is_number, line_or_none, names_of, near, refused, seconds, shown
 from bogie_braking.histories import History, Value
-from bogie_braking.machines import Machine, Runnable, machine_at, machine_of, unfolded
+from bogie_braking.machines import CompiledMachine, Runnable, machine_at, machine_of, unfolded
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import MOST_NUMBERS, Kernel, SimulationError
 from fmu_src.refusals import without_value_before
@@ -133,7 +133,7 @@ class Simulation:
         """Return the path of the file that a variable names, or an empty string."""
         return self._kernel.get_text(self._kernel.number_of(name)) if name in self._machine.variables else ""
 
-    def _go_on_with(self, machine: Machine, state: bytes | None = None) -> None:
+    def _go_on_with(self, machine: CompiledMachine, state: bytes | None = None) -> None:
         """Change to another system of the same FMU with the same values and files, and restore a state.
 
         Raises SimulationError, with nothing changed.

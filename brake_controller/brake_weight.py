@@ -64,7 +64,7 @@ class BuildUp:
 _LONG_EMERGENCY, _LONG_SERVICE = (-0.40, 1.60, 0.03), (10.50, 0.32, 0.18)
 
 
-class Case(Enum):
+class BrakingKind(Enum):
     """Kinds of braking: emergency or full service, of a passenger train in P or a freight train in P or G."""
 
     EMERGENCY_PASSENGER_P = BuildUp(False, (2.30, 0.0, 0.17), None, 400.0, 1.42)
@@ -126,7 +126,7 @@ def _valid_speed(speed: float) -> float:
 # ---- trains ----------------------------------------------------------------------------------------------------------
 
 
-def build_up_time(case: Case, length: float) -> float:
+def build_up_time(case: BrakingKind, length: float) -> float:
     """Return the equivalent build-up time of a train's brakes [s] (SUBSET-026 A.3.8, A.3.9).
 
     Takes length [m].
@@ -144,7 +144,7 @@ def limit_speed(percentage: float) -> float:
     return float(LIMIT_FACTOR * _valid_percentage(percentage) ** LIMIT_POWER / KILOMETRES_PER_HOUR)
 
 
-def deceleration_steps(case: Case, percentage: float) -> tuple[DecelerationStep, ...]:
+def deceleration_steps(case: BrakingKind, percentage: float) -> tuple[DecelerationStep, ...]:
     """Return decelerations over speed, slowest band first (SUBSET-026 A.3.7).
 
     Bands of speed that end below the limit speed are omitted. The first remaining one begins there.
@@ -172,7 +172,7 @@ def braking_distance(steps: Sequence[DecelerationStep], speed: float) -> float:
     return sum((fastest**2 - step.least**2) / (2 * step.deceleration) for fastest, step in passed)
 
 
-def stopping_distance(case: Case, speed: float, percentage: float, length: float) -> float:
+def stopping_distance(case: BrakingKind, speed: float, percentage: float, length: float) -> float:
     """Return the distance of a train from demand to stop [m], v T plus braking distance (SUBSET-026 A.3.7 to A.3.9).
 
     The track is level.

@@ -13,7 +13,7 @@ from fmu_src.unique_names_in_c import PREFIX
 
 
 @dataclass
-class Group:
+class CallGroup:
     """Calls of a part that are computed side by side: each number of a call is next to that of the call before.
 
     calls: their numbers in the function; given, left: where their numbers begin in `given_RANK` and in `left`. alone:
@@ -67,7 +67,7 @@ class Rooms:
     given: for each rank the places of each number that is given; left: the place of each number that is left.
     """
 
-    groups: list[list[Group]] = field(default_factory=list)
+    groups: list[list[CallGroup]] = field(default_factory=list)
     given: list[list[list[int]]] = field(default_factory=list)
     left: list[int] = field(default_factory=list)
     sizes: dict[str, int] = field(default_factory=dict)
@@ -107,14 +107,14 @@ class Rooms:
         return made
 
 
-def _given_the_same(calls: Sequence[Call], one: Group, other: Group) -> bool:
+def _given_the_same(calls: Sequence[Call], one: CallGroup, other: CallGroup) -> bool:
     """Return whether two calls for each record of a list have the same arguments, which are then stored once."""
     taken = [ca.vertsplit(calls[group.calls[0]].taken) for group in (one, other) if group.each]
     return len(taken) == 2 and len(taken[0]) == len(taken[1]) and all(map(ca.is_equal, *taken))
 
 
-def _groups(generated: Generated, rank: int, side_by_side: bool) -> Iterator[Group]:
-    found: dict[object, Group] = {}
+def _groups(generated: Generated, rank: int, side_by_side: bool) -> Iterator[CallGroup]:
+    found: dict[object, CallGroup] = {}
     for number, call in enumerate(generated.calls):
         if call.rank != rank:
             continue
@@ -122,13 +122,13 @@ def _groups(generated: Generated, rank: int, side_by_side: bool) -> Iterator[Gro
         key = number if alone else (part_name(call.part, generated.slopes[number]), conditional)
         if call.each and (side_by_side or conditional or (call.each.largest and generated.slopes[number])):
             raise ValueError(f"{call.part.name}: calls for each record belong in a part, without conditions.")
-        found.setdefault(key, Group(call.part, generated.slopes[number], conditional, alone, call.each)).calls.append(
-            number
-        )
+        found.setdefault(
+            key, CallGroup(call.part, generated.slopes[number], conditional, alone, call.each)
+        ).calls.append(number)
     yield from found.values()
 
 
-def call_of_group(name: str, rank: int, group: Group) -> str:
+def call_of_group(name: str, rank: int, group: CallGroup) -> str:
     """Return C of a group's call in a function of one number: `mem` is the number of lanes of the processor."""
     if group.part.inline:
         places = group.given, group.given + group.arguments
@@ -141,7 +141,7 @@ def call_of_group(name: str, rank: int, group: Group) -> str:
     return f"{name}_{group.entry}_at(mem, given_{rank} + {group.given}, left + {group.left})"
 
 
-def _call_of_c(rank: int, group: Group) -> str:
+def _call_of_c(rank: int, group: CallGroup) -> str:
     """Return C of a call of a part given in C, in a function of one number."""
     when = ""
     if group.conditional:
@@ -153,7 +153,7 @@ def _call_of_c(rank: int, group: Group) -> str:
     return f"{when}{PREFIX}{group.part.name}({given}, left + {group.left}, {slopes})"
 
 
-def call_in_lanes(name: str, rank: int, group: Group) -> str:
+def call_in_lanes(name: str, rank: int, group: CallGroup) -> str:
     """Return C of a call in a function of several lanes, each of which calls the part."""
     given = [f"given_{rank} + {group.given + place} * LANES" for place in (0, group.arguments, group.numbers)]
     left = f"left + {group.left} * LANES"
@@ -170,7 +170,7 @@ def call_in_lanes(name: str, rank: int, group: Group) -> str:
     return call if not group.conditional else where(ASKED + call, given[2], left, group.leaves, "LANES")
 
 
-def call_for_each(name: str, rank: int, group: Group, each: Each, given: Sequence[str], left: str) -> str:
+def call_for_each(name: str, rank: int, group: CallGroup, each: Each, given: Sequence[str], left: str) -> str:
     """Return C of calls for each record of a list; given: C of arguments and constants."""
     call = f"LANES_NAME({name}_{group.function})({', '.join(given)}, to)"
     first = f"real_record_in(from, {each.place}, 0, record); {{ double *to = {left}; {call}; }}" if each.always else ""
@@ -224,7 +224,7 @@ def where(call: str, condition: str, left: str, leaves: int, distance: str | int
   }}"""
 
 
-def entry_of_group(name: str, group: Group) -> str:
+def entry_of_group(name: str, group: CallGroup) -> str:
     """Return the function that computes LANES lanes of a group, for functions of one number."""
     distance = group.lanes
     call = f"LANES_NAME({name}_{group.function})(given, given + {group.arguments * distance}, left)"
@@ -234,7 +234,7 @@ def entry_of_group(name: str, group: Group) -> str:
     return f"{head} {{\n  {call};\n  LANES_LEAVE;\n}}\n"
 
 
-def group_at(name: str, group: Group, widths: tuple[int, ...]) -> str:
+def group_at(name: str, group: CallGroup, widths: tuple[int, ...]) -> str:
     """Return the function that computes a group in as many lanes as the processor has, `lanes`."""
     wide = [lanes for lanes in reversed(widths) if lanes <= group.lanes]
     declared, tried = "", ""

@@ -14,7 +14,7 @@ import casadi as ca
 
 from fmu_src.chain import Call, Waist
 from fmu_src.system import System, Variable
-from fmu_src.user_files import Table
+from fmu_src.user_files import FileTable
 
 
 def scope(system: System, before: str = "", after: str = "", common: Collection[str] = ()) -> System:
@@ -139,9 +139,9 @@ def _take(whole: System, part: System, connections: Mapping[str, str]) -> None:
     whole.largest_changes += part.largest_changes
 
 
-def _put_in_order(whole: System, links: Sequence[_Link], tables: Sequence[Table]) -> None:
+def _put_in_order(whole: System, links: Sequence[_Link], tables: Sequence[FileTable]) -> None:
     """Put each link and table after those that it needs, with its rank among those of its kind."""
-    nodes: list[Call | Waist | Table] = [*(link.link for link in links), *tables]
+    nodes: list[Call | Waist | FileTable] = [*(link.link for link in links), *tables]
     needs = _needs([_needed_by(node) for node in nodes], [node.symbols for node in nodes])
     place: dict[int, int] = {}
     waiting = list(range(len(nodes)))
@@ -154,11 +154,11 @@ def _put_in_order(whole: System, links: Sequence[_Link], tables: Sequence[Table]
         waiting = [node for node in waiting if node not in place]
     in_order = sorted(place, key=place.__getitem__)
     calls, looked_up = (
-        _ranks(in_order, needs, {n for n in in_order if isinstance(nodes[n], kind)}) for kind in (Call, Table)
+        _ranks(in_order, needs, {n for n in in_order if isinstance(nodes[n], kind)}) for kind in (Call, FileTable)
     )
     for number in in_order:
         node = nodes[number]
-        if isinstance(node, Table):
+        if isinstance(node, FileTable):
             whole.tables.append(replace(node, rank=looked_up[number]))
         elif isinstance(node, Call):
             plain = whole.without_waists(node.taken)
@@ -167,8 +167,8 @@ def _put_in_order(whole: System, links: Sequence[_Link], tables: Sequence[Table]
             whole.links.append(replace(node, plain=whole.without_waists(node.values)))
 
 
-def _needed_by(node: Call | Waist | Table) -> ca.SX:
-    if isinstance(node, Table):
+def _needed_by(node: Call | Waist | FileTable) -> ca.SX:
+    if isinstance(node, FileTable):
         return node.argument
     return node.taken if isinstance(node, Call) else node.values
 

@@ -16,7 +16,7 @@ import casadi as ca
 
 from fmu_src.calls_in_c import (
     ASKED,
-    Group,
+    CallGroup,
     Rooms,
     call_in_lanes,
     call_of_group,
@@ -67,12 +67,14 @@ def equations_in_c(name: str, made: Mapping[str, Generated]) -> dict[str, str]:
     return files
 
 
-def _by_file(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Group]) -> dict[str, dict[str, Group]]:
+def _by_file(
+    name: str, parts: Mapping[str, Generated], groups: Mapping[str, CallGroup]
+) -> dict[str, dict[str, CallGroup]]:
     """Return groups by their files: a long part that calls no other has a file of its own.
 
     So vehicles with the same wheels and other springs have files in common, which are compiled once.
     """
-    files: dict[str, dict[str, Group]] = {}
+    files: dict[str, dict[str, CallGroup]] = {}
     for entry, group in groups.items():
         functions = [
             parts[part_name(one.part, one.slopes)] for one in groups.values() if one.part.name == group.part.name
@@ -150,9 +152,9 @@ def _functions_of_parts(own: Sequence[Generated]) -> dict[str, Generated]:
     return made
 
 
-def _parts(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Group]) -> str:
+def _parts(name: str, parts: Mapping[str, Generated], groups: Mapping[str, CallGroup]) -> str:
     """Return the header with the parts in lanes: parts that other parts call, parts in a group, and the groups."""
-    own: dict[str, Group] = {group.function: group for group in groups.values()}
+    own: dict[str, CallGroup] = {group.function: group for group in groups.values()}
     users = [(parts[part_name(one.part, one.slopes)], one.lanes) for one in own.values()]
     given, texts = _parts_within(name, parts, users)
     for group in own.values():
@@ -174,13 +176,13 @@ def _parts_within(
 
     users: these functions, and the largest number of lanes for which each is compiled.
     """
-    called: dict[str, Group] = {}
+    called: dict[str, CallGroup] = {}
     most: dict[str, int] = {}
 
     def find(generated: Generated, lanes: int) -> None:
         groups = [group for rank in Rooms.of(generated, False).groups for group in rank]
         asked = [group.each.asked for group in groups if group.each and group.each.asked]
-        for group in [*(Group(part, (), False, True) for part in asked), *groups]:
+        for group in [*(CallGroup(part, (), False, True) for part in asked), *groups]:
             if lanes > most.get(group.function, 0):
                 most[group.function] = lanes
                 if not group.part.source:
@@ -210,7 +212,7 @@ def functions_in_lanes(name: str, made: Mapping[str, Generated]) -> tuple[list[s
 
 
 @dataclass(frozen=True)
-class Body:
+class GeneratedFunction:
     """A function: its declaration, the parameters and arguments of its pieces, its statements and arrays.
 
     lanes: C of the number of lanes; groups: of its calls.
@@ -223,11 +225,11 @@ class Body:
     statements: list[Statement]
     rooms: dict[str, int]
     lanes: str
-    groups: list[Group]
+    groups: list[CallGroup]
     end: str = ""
 
 
-def _of_one_number(name: str, generated: Generated) -> Body:
+def _of_one_number(name: str, generated: Generated) -> GeneratedFunction:
     """Return a function as the runtime calls it, `generated_function` in model.h."""
     function, rooms = generated.function, Rooms.of(generated, True)
     parameters = "const double **arg, double **res, long long int *iw, double *w, int mem"
@@ -249,17 +251,19 @@ def _of_one_number(name: str, generated: Generated) -> Body:
     groups = [group for rank in rooms.groups for group in rank]
     head = f"RUNTIME_LOCAL int {function.name()}({parameters})"
     piece = f"{name}_piece_of_{function.name()}"
-    return Body(piece, head, parameters, "arg, res, iw, w, mem", statements, rooms.sizes, "1", groups, "  return 0;\n")
+    return GeneratedFunction(
+        piece, head, parameters, "arg, res, iw, w, mem", statements, rooms.sizes, "1", groups, "  return 0;\n"
+    )
 
 
-def _of_part(name: str, generated: Generated, own_name: str, distance: str) -> Body:
+def _of_part(name: str, generated: Generated, own_name: str, distance: str) -> GeneratedFunction:
     """Return a part in lanes: distance, C of a number, is how far the numbers of a lane are from each other."""
     parameters = "const double *arguments, const double *constants, double *results"
     face = LanesFace(parameters, "arguments, constants, results", ["arguments", "constants"], ["results"])
     return _of_lanes(name, generated, own_name, face, distance)
 
 
-def _of_all_lanes(name: str, generated: Generated) -> Body:
+def _of_all_lanes(name: str, generated: Generated) -> GeneratedFunction:
     """Return a function of a system in lanes, `lanes_function` in batch.h."""
     inputs = [f"arg[{number}]" for number in range(generated.function.n_in())]
     results = [f"res[{number}]" for number in range(generated.function.n_out() - generated.ranks)]
@@ -289,7 +293,7 @@ class LanesFace:
     results: Sequence[str]
 
 
-def _of_lanes(name: str, generated: Generated, own_name: str, face: LanesFace, distance: str) -> Body:
+def _of_lanes(name: str, generated: Generated, own_name: str, face: LanesFace, distance: str) -> GeneratedFunction:
     function, rooms = generated.function, Rooms.of(generated, False)
     inputs = [*face.inputs[: function.n_in() - 1], "left"] if generated.calls else face.inputs
 
@@ -320,7 +324,7 @@ def _of_lanes(name: str, generated: Generated, own_name: str, face: LanesFace, d
             statements = given_where_asked(statements, gives, _plain(call_in_lanes(name, rank, group)))
     head = f"static void LANES_NAME({name}_{own_name})({face.parameters})"
     piece = f"LANES_NAME({name}_piece_of_{own_name})"
-    return Body(piece, head, face.parameters, face.given, statements, rooms.sizes, "LANES", [])
+    return GeneratedFunction(piece, head, face.parameters, face.given, statements, rooms.sizes, "LANES", [])
 
 
 def given_where_asked(statements: Sequence[Statement], gives: set[str], call: str) -> list[Statement]:
@@ -347,7 +351,7 @@ def _plain(text: str) -> str:
     return text.replace("{", "{{").replace("}", "}}")
 
 
-def _written(body: Body) -> str:
+def _written(body: GeneratedFunction) -> str:
     """Return C of a function; a long one is cut into pieces, which pass numbers to each other in `kept`."""
     bodies, kept = _bodies(body)
     rooms = {"kept": kept} | body.rooms
@@ -383,7 +387,7 @@ def _locals(statements: Sequence[Statement]) -> dict[int, str]:
     return names
 
 
-def _bodies(body: Body) -> tuple[list[str], int]:
+def _bodies(body: GeneratedFunction) -> tuple[list[str], int]:
     """Return C of the statements as a whole or in pieces, and how many numbers the pieces leave to later ones.
 
     A number that is left is stored as soon as it is computed, and loaded where it is first needed. A processor has few

@@ -18,7 +18,7 @@ ADDRESSES = {3, 4, 5, 6, 7, 12, 13, 17, 23, 25, 26, 0x6FFFFEF5, 0x6FFFFFF0, 0x6F
 
 
 @dataclass(frozen=True)
-class Segment:
+class ProgramHeader:
     """One program header: type, place and size in the file, address and size in memory [bytes]."""
 
     kind: int
@@ -67,15 +67,15 @@ def _fault_of_elf(data: bytes) -> str:
     return ""
 
 
-def _segment(data: bytes, place: int, wide: bool, order: str) -> Segment:
+def _segment(data: bytes, place: int, wide: bool, order: str) -> ProgramHeader:
     if wide:
         kind, _, offset, address, _, in_file, in_memory, _ = struct.unpack_from(f"{order}IIQQQQQQ", data, place)
     else:
         kind, offset, address, _, in_file, in_memory, _, _ = struct.unpack_from(f"{order}IIIIIIII", data, place)
-    return Segment(kind, offset, address, in_file, in_memory)
+    return ProgramHeader(kind, offset, address, in_file, in_memory)
 
 
-def _good_table(data: bytes, table: Segment, loads: list[Segment], form: str) -> bool:
+def _good_table(data: bytes, table: ProgramHeader, loads: list[ProgramHeader], form: str) -> bool:
     """Return whether a dynamic section ends, lies in a segment, and names only addresses inside of the segments."""
 
     def is_inside(address: int) -> bool:

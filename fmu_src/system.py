@@ -19,7 +19,7 @@ from fmu_src.chain import Chain
 from fmu_src.piecewise import look_up, polynomials
 from fmu_src.records import OwnRecord
 from fmu_src.states import Condition, Friction, Observable, Start, State, SteadyStart
-from fmu_src.user_files import OfRecord, RecordFile, Table, TableFile
+from fmu_src.user_files import FileTable, OfRecord, RecordFile, TableFile
 from fmu_src.variables import ParameterSet as ParameterSet
 from fmu_src.variables import Variable as Variable
 from fmu_src.variables import choice as choice
@@ -65,7 +65,7 @@ class System(Chain):
     derived_expressions: dict[str, ca.SX] = field(default_factory=dict)
     states: dict[str, State] = field(default_factory=dict)
     derivatives: dict[str, ca.SX] = field(default_factory=dict)
-    tables: list[Table] = field(default_factory=list)
+    tables: list[FileTable] = field(default_factory=list)
     records: list[OfRecord] = field(default_factory=list)
     #: Why an instance with a file of records refuses this system; empty: it warns that the file has no effect.
     refuses_records: str = ""
@@ -301,7 +301,7 @@ class System(Chain):
         if place == len(self.tables):
             origin = ca.SX.sym(f"{file.noun}_{place}")
             rank = 1 + max((t.rank for t in self.tables if ca.depends_on(argument, t.symbols)), default=-1)
-            self.tables.append(Table(f"{file.noun}_{place}", file, argument, origin, rank))
+            self.tables.append(FileTable(f"{file.noun}_{place}", file, argument, origin, rank))
         table, piece = self.tables[place], file.piece(name)
         if piece not in table.pieces:
             added = ca.SX.sym(f"{table.name}_{name}", 1 + piece.degree)
@@ -573,7 +573,7 @@ class System(Chain):
     # -- derived from the above -----------------------------------------------------------------------------------
 
     @property
-    def ranked_tables(self) -> list[Table]:
+    def ranked_tables(self) -> list[FileTable]:
         """Return the tables in their order at run time: those of a lower rank first."""
         return sorted(self.tables, key=lambda table: table.rank)
 
@@ -669,7 +669,7 @@ class System(Chain):
 
 
 @dataclass(frozen=True)
-class Relation:
+class ParameterRelation:
     """A relation between parameters: a sum that must be above 0.
 
     terms: names of parameters, each with its factor. sentence: the message if the relation is broken; its one %s is the
@@ -721,7 +721,7 @@ class Model:
     choice: tuple[int, ...] = (0,)
     step_size: float = 1e-3
     stop_time: float = 10.0
-    relations: tuple[Relation, ...] = ()
+    relations: tuple[ParameterRelation, ...] = ()
     reads: TableFile | None = None
     reads_records: RecordFile | None = None
 
@@ -833,7 +833,7 @@ def model_of_choices(
     choice: tuple[int, ...],
     tolerance: float,
     *others: Variable,
-    relations: tuple[Relation, ...] = (),
+    relations: tuple[ParameterRelation, ...] = (),
     step_size: float = 1e-3,
     stop_time: float = 10.0,
 ) -> Model:

@@ -12,7 +12,7 @@ from readers.columns import Column
 
 
 @dataclass(frozen=True)
-class Piece:
+class TablePiece:
     """Polynomials between two rows of a table file, of a degree of at most 5.
 
     Beyond the ends of the table it keeps its last value or, if `goes_on`, its last slope.
@@ -52,7 +52,7 @@ class TableFile:
     rounding: float
     known: str
     added: tuple[str, ...]
-    pieces: tuple[Piece, ...]
+    pieces: tuple[TablePiece, ...]
     source: str
 
     def __post_init__(self) -> None:
@@ -67,7 +67,7 @@ class TableFile:
         if odd:
             raise ValueError(f"Table file {self.noun}: columns must be numbers, one in each row; got {', '.join(odd)}.")
 
-    def piece(self, name: str) -> Piece:
+    def piece(self, name: str) -> TablePiece:
         """Return one of the pieces by its name."""
         return next(piece for piece in self.pieces if piece.name == name)
 
@@ -126,7 +126,7 @@ class OfRecord:
 
 
 @dataclass(frozen=True)
-class Table:
+class FileTable:
     """The `pieces` of a table file at one place, found by one search.
 
     `symbols` are one origin and the coefficients of each piece, lowest power first, supplied by the runtime. The
@@ -138,4 +138,4 @@ class Table:
     argument: ca.SX
     symbols: ca.SX
     rank: int
-    pieces: tuple[Piece, ...] = ()
+    pieces: tuple[TablePiece, ...] = ()

@@ -1,7 +1,7 @@
 """DrivenWheelset: motor, gear and two wheels on their own rails, by rigid or elastic shafts, as one FMU."""
 
 from brake_controller.motors import torque_loop, traction_inverter
-from fmu_src.system import Model, Relation, Variable, choosing, model_of_choices
+from fmu_src.system import Model, ParameterRelation, Variable, choosing, model_of_choices
 from rbd_model.wheelset.driven import driven_wheelset, electric_locomotive
 
 #: Local error of 1e-10 rad of twist and 1 um/s of speed per step at this tolerance.
@@ -24,12 +24,12 @@ CHOSEN = Variable(
 SLENDER = 30.0
 #: Radii that are given in millimetres, or of two different wheels, have a message before their contact fails.
 RADII = (
-    Relation(
+    ParameterRelation(
         (("wheel_radius", SLENDER), ("rail_head_radius", -1.0)),
         0.0,
         f"rail_head_radius must be below {SLENDER:g} times wheel_radius; it is %s m more. Give both in metres.",
     ),
-    Relation(
+    ParameterRelation(
         (("rail_head_radius", SLENDER), ("wheel_radius", -1.0)),
         0.0,
         f"wheel_radius must be below {SLENDER:g} times rail_head_radius; it is %s m more. Give both in metres.",

@@ -9,7 +9,7 @@ from products.kernel_runs import History
 
 
 @dataclass(frozen=True)
-class Stop:
+class DryStop:
     """Steps of one FMU: parameters, inputs over time, step and duration [s], and the variables read after each step."""
 
     values: Mapping[str, float]
@@ -24,7 +24,7 @@ class Stop:
         return round(self.seconds / self.step)
 
 
-def stop_of(wheelsets: int, **values: float) -> Stop:
+def stop_of(wheelsets: int, **values: float) -> DryStop:
     """Return a stop from 8 m/s for an FMU with a number of wheelsets.
 
     The leading wheelset is locked and released, yaw torques press flanges, all brakes bring the vehicle to rest.
@@ -36,4 +36,4 @@ def stop_of(wheelsets: int, **values: float) -> Stop:
         inputs["yaw_torque_1"] = [(0.0, 0.0), (1.2, 0.0), (1.4, 60e3), (2.0, 60e3), (2.2, 0.0)]
     read = ["speed", *(f"locked_{n}" for n in range(1, wheelsets + 1))]
     read += ["flange_force_1"] if values["level"] == 3 else []
-    return Stop({"initial_speed": 8.0, "integration_step": 1e-3, "tolerance": 1e-4} | values, inputs, 9.0, read)
+    return DryStop({"initial_speed": 8.0, "integration_step": 1e-3, "tolerance": 1e-4} | values, inputs, 9.0, read)

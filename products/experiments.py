@@ -19,7 +19,7 @@ BRAKE = ("cylinder_pressure", "shoe_force", "brake_torque")
 
 
 @dataclass(frozen=True)
-class Scene:
+class FmuExperiment:
     """An experiment of the FMU of a parameter set: further values, constant inputs, recorded outputs.
 
     duration and step [s]: of the run and of its host.
@@ -35,8 +35,8 @@ class Scene:
 
 
 #: Experiments by name; those of an FMU, that of their parameter set, are in its archive.
-SCENES: dict[str, Scene] = {
-    "lock-up": Scene(
+SCENES: dict[str, FmuExperiment] = {
+    "lock-up": FmuExperiment(
         "60 kN.m on the leading wheelset, which locks (Fig. 5.44)",
         "bogie-chapter-5-as-printed",
         {"level": 2, "initial_speed": 25.0},
@@ -45,7 +45,7 @@ SCENES: dict[str, Scene] = {
         2.0,
         0.01,
     ),
-    "stop": Scene(
+    "stop": FmuExperiment(
         "Service brake to rest at level 1",
         "bogie-chapter-5",
         {"level": 1, "initial_speed": 20.0},
@@ -54,7 +54,7 @@ SCENES: dict[str, Scene] = {
         25.0,
         0.1,
     ),
-    "experiment-180kpa": Scene(
+    "experiment-180kpa": FmuExperiment(
         "QR30 bogie, 1.8 kN.m on the trailing wheelset at friction 0.18",
         "bogie-qr30",
         {"level": 2, "initial_speed": 2.9},
@@ -63,7 +63,7 @@ SCENES: dict[str, Scene] = {
         3.0,
         0.01,
     ),
-    "sideways": Scene(
+    "sideways": FmuExperiment(
         "Wheelsets 4 mm beside the track's middle at level 3",
         "bogie-chapter-5",
         {"level": 3, "initial_speed": 15.0, "initial_lateral": 4e-3},
@@ -72,7 +72,7 @@ SCENES: dict[str, Scene] = {
         2.0,
         0.01,
     ),
-    "coach-stop": Scene(
+    "coach-stop": FmuExperiment(
         "Full brake of the coach at level 2",
         "coach",
         {"level": 2, "initial_speed": 25.0},
@@ -81,7 +81,7 @@ SCENES: dict[str, Scene] = {
         10.0,
         0.05,
     ),
-    "coach-pull": Scene(
+    "coach-pull": FmuExperiment(
         "Pulled by 20 kN at the front coupler at level 1",
         "coach",
         {"level": 1, "initial_speed": 5.0},
@@ -90,7 +90,7 @@ SCENES: dict[str, Scene] = {
         10.0,
         0.1,
     ),
-    "coach-sideways": Scene(
+    "coach-sideways": FmuExperiment(
         "Wheelsets 4 mm beside the track's middle at level 3",
         "coach",
         {"level": 3, "initial_speed": 15.0, "initial_lateral": 4e-3},
@@ -99,7 +99,7 @@ SCENES: dict[str, Scene] = {
         1.0,
         0.01,
     ),
-    "wagon-stop": Scene(
+    "wagon-stop": FmuExperiment(
         "15 kN.m on each wheelset at level 2",
         "coal-wagon",
         {"level": 2, "initial_speed": 25.0},
@@ -108,7 +108,7 @@ SCENES: dict[str, Scene] = {
         10.0,
         0.05,
     ),
-    "wagon-locks-on-wet-rail": Scene(
+    "wagon-locks-on-wet-rail": FmuExperiment(
         "60 kN.m on each wheelset at level 2 on a wet rail",
         "coal-wagon-wet-rail",
         {"level": 2, "initial_speed": 20.0},
@@ -117,7 +117,7 @@ SCENES: dict[str, Scene] = {
         5.0,
         0.05,
     ),
-    "wagon-down-a-slope": Scene(
+    "wagon-down-a-slope": FmuExperiment(
         "Falls from rest down 20 per mille at level 1",
         "coal-wagon",
         {"level": 1, "initial_speed": 0.0},
@@ -126,7 +126,7 @@ SCENES: dict[str, Scene] = {
         10.0,
         0.1,
     ),
-    "braked-coach-stop": Scene(
+    "braked-coach-stop": FmuExperiment(
         "Full brake at level 2",
         "braked-coach",
         {"level": 2, "initial_speed": 25.0},
@@ -135,7 +135,7 @@ SCENES: dict[str, Scene] = {
         10.0,
         0.05,
     ),
-    "braked-coach-on-wet-rail": Scene(
+    "braked-coach-on-wet-rail": FmuExperiment(
         "Full brake at level 2 on a wet rail",
         "braked-coach-wet-rail",
         {"level": 2, "initial_speed": 25.0},
@@ -144,7 +144,7 @@ SCENES: dict[str, Scene] = {
         5.0,
         0.05,
     ),
-    "braked-coach-without-its-front": Scene(
+    "braked-coach-without-its-front": FmuExperiment(
         "Half the pressure at level 1, the valves of the front bogie hold it back",
         "braked-coach",
         {"level": 1, "initial_speed": 15.0},
@@ -153,7 +153,7 @@ SCENES: dict[str, Scene] = {
         10.0,
         0.1,
     ),
-    "wheelset-sideways": Scene(
+    "wheelset-sideways": FmuExperiment(
         "4 mm beside the track's middle at 15 m/s",
         "wheelset-chapter-4",
         {"initial_speed": 15.0, "initial_lateral": 4e-3},
@@ -162,7 +162,7 @@ SCENES: dict[str, Scene] = {
         2.0,
         0.01,
     ),
-    "wheelset-braked": Scene(
+    "wheelset-braked": FmuExperiment(
         "5 kN.m on it, 4 mm beside the track's middle",
         "wheelset-chapter-4",
         {"initial_speed": 15.0, "initial_lateral": 4e-3},
@@ -171,7 +171,7 @@ SCENES: dict[str, Scene] = {
         2.0,
         0.01,
     ),
-    "wheelset-over-a-wave": Scene(
+    "wheelset-over-a-wave": FmuExperiment(
         "Over a lateral wave of 3 mm at 10 m/s on a dry rail",
         "wheelset-chapter-4-dry-rail",
         {"initial_speed": 10.0, "lateral_irregularity": 3e-3},
@@ -180,7 +180,7 @@ SCENES: dict[str, Scene] = {
         2.0,
         0.01,
     ),
-    "cleaning": Scene(
+    "cleaning": FmuExperiment(
         "A sliding leading wheelset cleans the rail for both",
         "rail-recovery",
         {},
@@ -189,7 +189,7 @@ SCENES: dict[str, Scene] = {
         5.0,
         0.05,
     ),
-    "cleaning-by-both": Scene(
+    "cleaning-by-both": FmuExperiment(
         "Both wheelsets slide at 15 m/s",
         "rail-recovery",
         {},
@@ -198,7 +198,7 @@ SCENES: dict[str, Scene] = {
         5.0,
         0.05,
     ),
-    "cleaning-backwards": Scene(
+    "cleaning-backwards": FmuExperiment(
         "Going backwards, the trailing wheelset is the first and cleans the rail for both",
         "rail-recovery",
         {},
@@ -207,7 +207,7 @@ SCENES: dict[str, Scene] = {
         5.0,
         0.05,
     ),
-    "pulling": Scene(
+    "pulling": FmuExperiment(
         "The motor pulls with 6 kN.m from 10 m/s",
         "driven-wheelset",
         {"initial_speed": 10.0},
@@ -216,7 +216,7 @@ SCENES: dict[str, Scene] = {
         2.0,
         0.01,
     ),
-    "spinning": Scene(
+    "spinning": FmuExperiment(
         "The motor pulls with more than a slippery rail carries, up to its power",
         "driven-wheelset-low-adhesion",
         {"initial_speed": 5.0},
@@ -225,7 +225,7 @@ SCENES: dict[str, Scene] = {
         2.0,
         0.01,
     ),
-    "electric-brake": Scene(
+    "electric-brake": FmuExperiment(
         "Motor and brakes slow the wheelset down, rigid shafts",
         "driven-wheelset",
         {"initial_speed": 20.0, "shafts": 1},
@@ -234,7 +234,7 @@ SCENES: dict[str, Scene] = {
         5.0,
         0.05,
     ),
-    "application-180kpa": Scene(
+    "application-180kpa": FmuExperiment(
         "Brake of the experiment by application time",
         "brake-qr30-180kpa",
         {"cylinder_model": 1},
@@ -243,7 +243,7 @@ SCENES: dict[str, Scene] = {
         3.0,
         0.02,
     ),
-    "flow-180kpa": Scene(
+    "flow-180kpa": FmuExperiment(
         "Brake of the experiment by flow of air",
         "brake-qr30-180kpa",
         {"cylinder_model": 2},
@@ -252,7 +252,7 @@ SCENES: dict[str, Scene] = {
         3.0,
         0.02,
     ),
-    "flow-uic-g": Scene(
+    "flow-uic-g": FmuExperiment(
         "Freight brake, position G, by flow of air",
         "brake-uic-g",
         {"cylinder_model": 2},

@@ -66,7 +66,7 @@ class Contour:
 
 
 @dataclass
-class Body:
+class ContourRows:
     """Rows of numbers as a format found them.
 
     `columns`: their names, or () if the first row may name them. `unit`: factor to mm as a fraction, or None: mm or m,
@@ -86,7 +86,7 @@ def refusal(source: str, row: int, text: str) -> TableError:
     return TableError(f"{source}, row {row}: {text}")
 
 
-def read_points(body: Body) -> tuple[Points, NDArray[np.int64], list[str]]:
+def read_points(body: ContourRows) -> tuple[Points, NDArray[np.int64], list[str]]:
     """Return the points y, z [mm] of a body, their rows, and notes."""
     if len(body.rows) < FEWEST_POINTS:
         count = sum(separator_of_numbers([row]) is not None for _, row in body.rows)
@@ -112,7 +112,7 @@ def read_points(body: Body) -> tuple[Points, NDArray[np.int64], list[str]]:
     return points, places, notes
 
 
-def _numbers(body: Body) -> tuple[Points, NDArray[np.int64], list[str]]:
+def _numbers(body: ContourRows) -> tuple[Points, NDArray[np.int64], list[str]]:
     """Return points in the body's unit, or mm if it has a head with units, their rows, and notes."""
     named = separator_of_numbers([body.rows[0][1]]) is None
     second = next((at for at, row in body.rows[1:] if not any(map(number_in, CELLS.findall(row)))), None)
@@ -150,7 +150,7 @@ def _numbers(body: Body) -> tuple[Points, NDArray[np.int64], list[str]]:
     return points, table.places, notes
 
 
-def _columns(body: Body, head: str, first: str, separator: str | None) -> tuple[str, str, list[str]]:
+def _columns(body: ContourRows, head: str, first: str, separator: str | None) -> tuple[str, str, list[str]]:
     """Return the names of y, of z and of all columns: as the format or the head has them, or y, z and more."""
     if body.columns:
         if len(set(body.columns)) < len(body.columns) or not {"x", "y"} <= set(body.columns):
@@ -171,7 +171,9 @@ def _columns(body: Body, head: str, first: str, separator: str | None) -> tuple[
 ANGLE_ERROR = 0.02
 
 
-def _check_others(body: Body, numbers: Mapping[str, Points], points: Points, places: NDArray[np.int64]) -> list[str]:
+def _check_others(
+    body: ContourRows, numbers: Mapping[str, Points], points: Points, places: NDArray[np.int64]
+) -> list[str]:
     """Check that unnamed columns behind y and z are constant or the contour's angle, and return a note for each."""
     notes: list[str] = []
     for name, values in numbers.items():

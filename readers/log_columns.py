@@ -47,7 +47,7 @@ class Head:
 
 
 @dataclass(frozen=True)
-class Found:
+class LogColumn:
     """A column that is used as a variable.
 
     Attributes
@@ -107,7 +107,7 @@ class Naming:
     texts: Collection[int]
     free: bool = False
 
-    def found(self, heads: Sequence[Head], columns: ColumnMap | None) -> tuple[list[Found], set[int]]:
+    def found(self, heads: Sequence[Head], columns: ColumnMap | None) -> tuple[list[LogColumn], set[int]]:
         """Return the used columns, and the places of those that the map leaves out. Raises TableError."""
         mapped, out = self._mapped(heads, columns)
         taken = {one.head.at for one in mapped} | out
@@ -121,14 +121,14 @@ class Naming:
         self._check_once(guessed)
         return sorted([*mapped, *exact, *guessed], key=lambda one: one.head.at), out
 
-    def _mapped(self, heads: Sequence[Head], columns: ColumnMap | None) -> tuple[list[Found], set[int]]:
+    def _mapped(self, heads: Sequence[Head], columns: ColumnMap | None) -> tuple[list[LogColumn], set[int]]:
         if columns is None:
             return [], set()
         given = toml_of(columns) if isinstance(columns, str | Path) else columns
         source = str(columns) if isinstance(columns, str | Path) else "columns"
         if not isinstance(given, Mapping):
             raise TableError(f"columns must be a map of names or the path of one; got {shown(given)}.")
-        found: list[Found] = []
+        found: list[LogColumn] = []
         out: set[int] = set()
         for key, value in given.items():
             head = self._head_named(heads, key, source)
@@ -155,27 +155,27 @@ class Naming:
         hint = f"did you mean {near[0]}?" if near else f"it has {quoted(', '.join(cells), 200)}."
         raise TableError(f"{source}: {self.place} has no column {shown(key)}; {hint}")
 
-    def _exact(self, head: Head) -> list[Found]:
+    def _exact(self, head: Head) -> list[LogColumn]:
         """Return the variable with this name, also with a unit as the last word."""
         known = {tidy(variable): variable for variable in self.variables}
         bare = tidy(head.name)
         if bare in known:
-            return [Found(head, known[bare], head.unit)]
+            return [LogColumn(head, known[bare], head.unit)]
         if head.unit:
             return []
         for name, unit in suffixed(bare):
             if name in known and quantity_of(unit) == quantity_of(self.variables[known[name]]):
-                return [Found(head, known[name], unit, guessed=True)]
+                return [LogColumn(head, known[name], unit, guessed=True)]
         return []
 
-    def _guessed(self, head: Head, variables: Mapping[str, str]) -> list[Found]:
+    def _guessed(self, head: Head, variables: Mapping[str, str]) -> list[LogColumn]:
         words = plain(head.name)
         readings = [(words, head.unit)] if head.unit else [*suffixed(words), (words, "")]
         for name, unit in readings:
             timed = head.at not in self.texts or meant(name, unit, variables) == ["time"]
             found = meant(name, unit, variables) if timed else []
             if len(found) == 1:
-                return [Found(head, found[0], unit, guessed=True)]
+                return [LogColumn(head, found[0], unit, guessed=True)]
             several = found or (self._of_all(name, unit, variables) if head.at not in self.texts else [])
             if several:
                 rule = json.dumps(several[0] if found else several)
@@ -199,7 +199,7 @@ class Naming:
         if near and head.at not in self.texts and _digits(head.name) == _digits(near[0]):
             raise TableError(f"{self.place}: the column {shown(head.name)} is unknown. Did you mean {near[0]}?")
 
-    def _check_once(self, found: Sequence[Found]) -> None:
+    def _check_once(self, found: Sequence[LogColumn]) -> None:
         for one in found:
             same = [other.head.cell for other in found if other.variable == one.variable]
             if len(same) > 1 and not one.guessed:
@@ -222,7 +222,7 @@ def _digits(name: str) -> list[str]:
     return re.findall(r"\d+", name)
 
 
-def _rule(source: str, key: str, value: object, head: Head, variables: Mapping[str, str] | None) -> list[Found]:
+def _rule(source: str, key: str, value: object, head: Head, variables: Mapping[str, str] | None) -> list[LogColumn]:
     """Return the columns that an entry of a map makes of one of the file. Raises TableError."""
     rule = value if isinstance(value, Mapping) else {"name": value}
     place = f"{source}: {shown(key)}"
@@ -241,7 +241,7 @@ def _rule(source: str, key: str, value: object, head: Head, variables: Mapping[s
             near = get_close_matches(str(name), known, 1)
             hint = f"Did you mean {near[0]}?" if near else f"Names are {quoted(', '.join(known), 200)}."
             raise TableError(f"{place} must be the name of a variable; got {shown(name)}. {hint}")
-        found.append(Found(head, name, unit.strip(), _diameter(place, rule), tuple(values)))
+        found.append(LogColumn(head, name, unit.strip(), _diameter(place, rule), tuple(values)))
     if not found:
         raise TableError(f"{place} must be the name of a variable; got an empty list.")
     return found
@@ -268,7 +268,7 @@ def _diameter(place: str, rule: Mapping[str, Any]) -> float | None:
     return found
 
 
-def factor_of(one: Found, unit: str, place: str) -> tuple[float, float] | None:
+def factor_of(one: LogColumn, unit: str, place: str) -> tuple[float, float] | None:
     """Return the factor of a wheel's column to a variable's unit by its diameter; None if the units need none."""
     pair = {quantity_of(one.unit), quantity_of(unit)}
     if pair != {"speed", "angular velocity"}:

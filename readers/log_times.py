@@ -50,7 +50,7 @@ class Times:
     clock: str = ""
 
 
-def times_of(cells: Sequence[str], unit: str, numbers: Callable[[], NDArray[np.float64]], place: Place) -> Times:
+def times_of(cells: Sequence[str], unit: str, numbers: Callable[[], NDArray[np.float64]], place: TimesPlace) -> Times:
     """Return the times of a column."""
     first = next((cell for cell in cells if cell), "")
     if number_in(first):
@@ -69,7 +69,7 @@ def times_of(cells: Sequence[str], unit: str, numbers: Callable[[], NDArray[np.f
 
 
 @dataclass(frozen=True)
-class Place:
+class TimesPlace:
     """File, column and row numbers of the times, for messages."""
 
     source: str
@@ -81,7 +81,7 @@ class Place:
         return TableError(f"{self.source}, row {self.rows[row]}, column {self.column}: {text}")
 
 
-def _plain(seconds: NDArray[np.float64], unit: str, place: Place) -> Times:
+def _plain(seconds: NDArray[np.float64], unit: str, place: TimesPlace) -> Times:
     """Return times as they are, unless they have no unit and look like days. Raises TableError."""
     there = np.flatnonzero(np.isfinite(seconds))
     steps = np.diff(seconds[there])
@@ -145,7 +145,9 @@ def _dated(form: re.Pattern[str], zoned: bool, cell: str) -> int | None:
     return None if clock is None else day * DAY + clock - offset
 
 
-def _counted(cells: Sequence[str], read: Callable[[str], int | None], place: Place, around_midnight: bool) -> Times:
+def _counted(
+    cells: Sequence[str], read: Callable[[str], int | None], place: TimesPlace, around_midnight: bool
+) -> Times:
     """Return times counted from the first, in seconds."""
     found = np.full(len(cells), math.nan)
     begin: int | None = None

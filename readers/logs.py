@@ -18,12 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError, number_in, unit_factor
-from readers.log_columns import ColumnMap, Found, Head, Naming, factor_of, head_of
+from readers.log_columns import ColumnMap, Head, LogColumn, Naming, factor_of, head_of
 from readers.log_rows import Log, count_of, in_order
-from readers.log_times import Place as PlaceOfTimes
-from readers.log_times import Times, times_of
+from readers.log_times import Times, TimesPlace, times_of
 from readers.log_words import unit_like
-from readers.tables import Begin, Body, begin_of
+from readers.tables import Begin, TableRows, begin_of
 from readers.text import quoted, text_of
 
 #: Words of a cell that stand for a missing value, in small letters.
@@ -60,14 +59,14 @@ def read_log(
     naming = Naming(place, variables, texts, others)
     found, out = naming.found(heads, columns)
     if not found and len(heads) == len(by_position):
-        found = [Found(head, name, head.unit) for head, name in zip(heads, by_position, strict=True)]
+        found = [LogColumn(head, name, head.unit) for head, name in zip(heads, by_position, strict=True)]
     if not any(one.variable == "time" for one in found):
         there = quoted(", ".join(one.cell for one in heads), 200)
         raise TableError(f"{place}: the column time is missing; there are {there}. Add it, or name it in a map.")
     used = {one.head.at for one in found}
     if others:
         rest = [head for head in heads if head.at not in used | out | set(texts)]
-        found += [Found(head, head.name, head.unit or "1") for head in rest]
+        found += [LogColumn(head, head.name, head.unit or "1") for head in rest]
         used |= {head.at for head in rest}
     messages = [*_guesses(source, found, variables), *_left_out(source, heads, used, out, texts)]
     return in_order(_Reading(place, begin, variables, found).log(messages))
@@ -128,7 +127,7 @@ def _texts(heads: Sequence[Head], begin: Begin) -> dict[int, str]:
     return found
 
 
-def _guesses(source: str, found: Sequence[Found], variables: Mapping[str, str]) -> list[str]:
+def _guesses(source: str, found: Sequence[LogColumn], variables: Mapping[str, str]) -> list[str]:
     """Return a line for each column whose name was guessed, and for each unit that was assumed."""
     said = []
     for one in found:
@@ -157,7 +156,7 @@ class _Reading:
     place: str
     begin: Begin
     variables: Mapping[str, str]
-    found: Sequence[Found]
+    found: Sequence[LogColumn]
 
     def log(self, messages: list[str]) -> Log:
         """Return the log. Raises TableError."""
@@ -169,7 +168,7 @@ class _Reading:
             extra = next((at for at, cell in enumerate(row) if cell and at in nameless), None)
             if extra is not None or any(row[width:]):
                 at = width + [bool(cell) for cell in row[width:]].index(True) if extra is None else extra
-                body = Body(self.begin.source, self.begin.separator, MOST_ROWS)
+                body = TableRows(self.begin.source, self.begin.separator, MOST_ROWS)
                 raise body.nameless(number, at, row[at], width - len(nameless))
             if len(places) == MOST_ROWS:
                 raise TableError(f"{self.begin.source} must have at most {MOST_ROWS} rows; it has more. Split it.")
@@ -199,15 +198,21 @@ class _Reading:
             decimals.search(cell) or (number_in(cell) and not THOUSANDS.fullmatch(cell)) for cell in cells
         )
 
-    def _cells(self, found: Found, unit: str, rows: NDArray[np.int64]) -> Cells:
+    def _cells(self, found: LogColumn, unit: str, rows: NDArray[np.int64]) -> Cells:
         column = Column(found.variable, unit, filled=False)
         both = factor_of(found, unit, self.place) or unit_factor(column, found.unit, self.place)
         return Cells(self.begin.source, rows, Place(found.head.at, column, both))
 
     def _times(
-        self, one: Found, unit: str, cells: list[str], rows: NDArray[np.int64], mark: DecimalMark, messages: list[str]
+        self,
+        one: LogColumn,
+        unit: str,
+        cells: list[str],
+        rows: NDArray[np.int64],
+        mark: DecimalMark,
+        messages: list[str],
     ) -> NDArray[np.float64]:
-        place = PlaceOfTimes(self.begin.source, "time", rows)
+        place = TimesPlace(self.begin.source, "time", rows)
         found: Times = times_of(cells, one.unit, lambda: self._cells(one, unit, rows).numbers(cells, mark), place)
         if not found.clock and not one.unit:
             messages.append(f"{self.begin.source}: {quoted(one.head.cell)} has no unit; s is assumed.")
@@ -216,7 +221,13 @@ class _Reading:
         return found.seconds
 
     def _values(
-        self, found: Found, unit: str, cells: list[str], rows: NDArray[np.int64], mark: DecimalMark, messages: list[str]
+        self,
+        found: LogColumn,
+        unit: str,
+        cells: list[str],
+        rows: NDArray[np.int64],
+        mark: DecimalMark,
+        messages: list[str],
     ) -> NDArray[np.float64]:
         reader = self._cells(found, unit, rows)
         raw = Cells(self.begin.source, rows, Place(found.head.at, reader.column)).numbers(cells, mark)

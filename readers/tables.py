@@ -126,7 +126,7 @@ def table_of(
         raise TableError(
             f"{place}: the first row must have names; got {quoted(begin.cells[0])}. Add them, as in {example}."
         )
-    body = Body(source, begin.separator, most_rows)
+    body = TableRows(source, begin.separator, most_rows)
     filled = begin.rows_behind()
     if numeric:
         layout = columns_in_order(place, columns, [""] * len(begin.cells))
@@ -222,7 +222,7 @@ def separator_of_numbers(rows: Sequence[str]) -> str | None:
 
 
 @dataclass(frozen=True)
-class Body:
+class TableRows:
     """The rows after the names."""
 
     source: str

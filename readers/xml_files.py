@@ -60,7 +60,7 @@ def _local(name: str) -> str:
     return name.rpartition(SEPARATOR)[2]
 
 
-class _LimitError(ValueError):
+class _XmlLimitError(ValueError):
     """A document beyond a limit; the text is the end of a message."""
 
 
@@ -77,9 +77,9 @@ class _Builder:
         self.depth += 1
         self.count += 1
         if self.depth > DEEPEST:
-            raise _LimitError(f"nest elements at most {DEEPEST} deep; got more.")
+            raise _XmlLimitError(f"nest elements at most {DEEPEST} deep; got more.")
         if self.count > MOST_ELEMENTS:
-            raise _LimitError(f"have at most {MOST_ELEMENTS} elements; got more. Leave out what is not needed.")
+            raise _XmlLimitError(f"have at most {MOST_ELEMENTS} elements; got more. Leave out what is not needed.")
         self.tree.start(
             name.rpartition(SEPARATOR)[2], {key.rpartition(SEPARATOR)[2]: one for key, one in given.items()}
         )
@@ -91,7 +91,7 @@ class _Builder:
 
     def document_type(self, name: str, *_: object) -> None:
         """Refuse a document type. Raises _LimitError."""
-        raise _LimitError(f"have no document type; got <!DOCTYPE {shown(name)}. Take that line away.")
+        raise _XmlLimitError(f"have no document type; got <!DOCTYPE {shown(name)}. Take that line away.")
 
 
 def xml_of(path: str | Path, largest: int = LARGEST) -> ET.Element:
@@ -114,7 +114,7 @@ def xml_of(path: str | Path, largest: int = LARGEST) -> ET.Element:
         raise FileError(f"{path} must be XML; got a fault in {place} ({expat.ErrorString(error.code)}).") from None
     except UnicodeEncodeError:
         raise FileError(f"{path} must hold Unicode text; got half of a letter.") from None
-    except _LimitError as error:
+    except _XmlLimitError as error:
         raise FileError(f"{path} must {error}") from None
     return builder.tree.close()
 

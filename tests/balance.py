@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from fmu_src.kernel import Kernel
-from rbd_model.contact.patches import SEARCH_PITCH, Part, patches_of
+from rbd_model.contact.patches import SEARCH_PITCH, WheelPart, patches_of
 from rbd_model.track.line import Segment, line_of
 from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import Vehicle, wheelset_name
@@ -145,7 +145,7 @@ class OnRail:
     rails: Rails
     modulus: float
 
-    def arm(self, patch: Part) -> np.ndarray:
+    def arm(self, patch: WheelPart) -> np.ndarray:
         """Return the vector from the wheelset's centre to the line along which a patch carries load [m]."""
         low = self.wheel.profile.limits[0] + SEARCH_PITCH
         ends = low + SEARCH_PITCH * patch.first, low + SEARCH_PITCH * (patch.last - 1)

@@ -37,7 +37,7 @@ SEEN = 1e-6
 
 
 @dataclass(frozen=True)
-class Shift:
+class LimitShift:
     """Shift of a limit by rounding, at most: nearer to the target, further from it [m]; nearer up to a speed [m/s]."""
 
     name: str
@@ -47,7 +47,7 @@ class Shift:
 
 
 @dataclass(frozen=True)
-class Found:
+class CurveResults:
     """Results of the command."""
 
     chosen: argparse.Namespace
@@ -60,7 +60,7 @@ class Found:
     gradients: Gradients
     covered: tuple[float, float] | None  # places where the rows of the line begin and end [m]; None: level
     moves: tuple[Move, ...]  # what --rounded changed in train data and national values
-    shifts: tuple[Shift, ...]  # what --rounded changed in the limits
+    shifts: tuple[LimitShift, ...]  # what --rounded changed in the limits
     release_speed: float | None  # [m/s]; None without a supervised location behind the target
     without_effect: list[str]  # national values that change no limit of the train, with the reasons
 
@@ -82,7 +82,7 @@ class Found:
         return [[speed, *(self.ends - place for place in row)] for speed, *row in zip(speeds, *columns, strict=True)]
 
 
-def compute(chosen: argparse.Namespace) -> Found:
+def compute(chosen: argparse.Namespace) -> CurveResults:
     """Return the limits of the train before the target, and its own stops."""
     kind = _kind(chosen)
     with reading():
@@ -93,7 +93,7 @@ def compute(chosen: argparse.Namespace) -> Found:
     _check_speeds(chosen, 3.6 * largest)
     exact, exact_country = data.train, country
     moves: tuple[Move, ...] = ()
-    shifts: tuple[Shift, ...] = ()
+    shifts: tuple[LimitShift, ...] = ()
     if chosen.rounded:
         data, country, moves = _rounded(data, country)
     common: dict[str, Any] = {
@@ -124,7 +124,7 @@ def compute(chosen: argparse.Namespace) -> Found:
         release = release_speed(data.train, chosen.beyond, place=chosen.target, national=country, **common)
     silent = without_effect(data.train, country, chosen.slippery)
     covered = None if line is None else (float(line.rows["distance"][0]), float(line.rows["distance"][-1]))
-    return Found(
+    return CurveResults(
         chosen, data, country, kind, few, many, stops, common["gradients"], covered, moves, shifts, release, silent
     )
 
@@ -160,7 +160,7 @@ def _rounded(data: TrainData, country: NationalValues) -> tuple[TrainData, Natio
     return replace(data, train=train.train, dry_by_level=train.dry_by_level), values.national, moves
 
 
-def _shifts(before: Curves, after: Curves) -> tuple[Shift, ...]:
+def _shifts(before: Curves, after: Curves) -> tuple[LimitShift, ...]:
     """Return the shifts of all limits from those of the exact train and country."""
     shifts = []
     for name in (*LIMITS, "GUI"):
@@ -169,5 +169,5 @@ def _shifts(before: Curves, after: Curves) -> tuple[Shift, ...]:
             moved = rounded - exact
             near = moved > SEEN
             below = float(after.V_est[near].max()) if near.any() else 0.0
-            shifts.append(Shift(name, float(moved[near].max(initial=0.0)), float(max(-moved.min(), 0.0)), below))
+            shifts.append(LimitShift(name, float(moved[near].max(initial=0.0)), float(max(-moved.min(), 0.0)), below))
     return tuple(shifts)

@@ -8,7 +8,7 @@ from pathlib import Path
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from bogie_braking.braking_curves.compute import Found
+from bogie_braking.braking_curves.compute import CurveResults
 from bogie_braking.braking_curves.pictures import figure_of_causes, figure_of_supervision
 from bogie_braking.common_options import look_for_plotly
 from products.etcs_files.osrd import osrd_document
@@ -35,7 +35,7 @@ def check_files(chosen: argparse.Namespace) -> None:
         check_folder(path.parent, f"--{option}")
 
 
-def write(found: Found) -> dict[str, Path]:
+def write(found: CurveResults) -> dict[str, Path]:
     """Write all files; return their paths by the names of their contents."""
     chosen, data = found.chosen, found.data
     for folder in (chosen.out, *(path.parent for path in (chosen.page, chosen.osrd) if path is not None)):
@@ -70,7 +70,7 @@ def _draw(figure: Figure, path: Path) -> None:
     plt.close(figure)
 
 
-def _table(found: Found) -> str:
+def _table(found: CurveResults) -> str:
     """Return speeds and places of all limits as CSV."""
     many = found.many
     rows = zip(3.6 * many.V_est, *(getattr(many, name) for name in found.limits), strict=True)

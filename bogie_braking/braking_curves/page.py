@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 from plotly.subplots import make_subplots
 
-from bogie_braking.braking_curves.compute import Found
+from bogie_braking.braking_curves.compute import CurveResults
 from bogie_braking.braking_curves.pictures import message_of_stops, range_of_line
 from bogie_braking.braking_curves.safety import lines_of
 from bogie_braking.braking_curves.words import (
@@ -44,7 +44,7 @@ LINES = (
 HEIGHTS, BEHIND = (0.78, 0.22), 0.04
 
 
-def write_page(found: Found) -> None:
+def write_page(found: CurveResults) -> None:
     """Write the page to --page. Raises StorageError."""
     tables = [_distances(found), _train(found), _factors(found), _settings(found)]
     if found.moves:
@@ -62,7 +62,7 @@ def write_page(found: Found) -> None:
     write_whole(found.chosen.page, page.encode(), "name another file with --page")
 
 
-def _figure(found: Found) -> go.Figure:
+def _figure(found: CurveResults) -> go.Figure:
     """Return the limits and own stops over the line, and the gradient below."""
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, row_heights=list(HEIGHTS), vertical_spacing=0.06)
     for name, colour, dash, first in LINES:
@@ -109,14 +109,14 @@ def _table(title: str, rows: Sequence[Sequence[str]], heads: Sequence[str] = ())
     return {"title": title, "heads": heads, "rows": rows, "numbers": bool(heads)}
 
 
-def _distances(found: Found) -> dict[str, Any]:
+def _distances(found: CurveResults) -> dict[str, Any]:
     """Return the distances before the place that no train may pass, the fastest row last."""
     rows = [[f"{number:.1f}" for number in row] for row in found.distances(found.limits)]
     heads = ("V_est [km/h]", *found.limits, *(["own stop"] if found.stops else []))
     return _table(title_of_distances(found), rows, heads)
 
 
-def _train(found: Found) -> dict[str, Any]:
+def _train(found: CurveResults) -> dict[str, Any]:
     """Return the train data."""
     train = found.data.train
     rows = [("train", train_words(found)), ("L_TRAIN", f"{float(np.asarray(train.length)):.2f} m")]
@@ -132,7 +132,7 @@ def _train(found: Found) -> dict[str, Any]:
     return _table("Train data", rows)
 
 
-def _factors(found: Found) -> dict[str, Any]:
+def _factors(found: CurveResults) -> dict[str, Any]:
     """Return the factors in use and of all levels, and what decides them."""
     data, train = found.data, found.data.train
     if train.position is not None:
@@ -145,7 +145,7 @@ def _factors(found: Found) -> dict[str, Any]:
     return _table("Factors", rows)
 
 
-def _settings(found: Found) -> dict[str, Any]:
+def _settings(found: CurveResults) -> dict[str, Any]:
     """Return the target, the baseline and the national values."""
     chosen, country = found.chosen, found.country
     yes = {True: "yes", False: "no"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from bogie_braking.braking_curves.compute import Found
+from bogie_braking.braking_curves.compute import CurveResults
 from bogie_braking.braking_curves.safety import Safety
 from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, plt, titled
 from products.supervision.tolerances import ENTRIES
@@ -21,7 +21,7 @@ LIMITS = (
 )
 
 
-def figure_of_supervision(found: Found) -> Figure:
+def figure_of_supervision(found: CurveResults) -> Figure:
     """Return the limits over the line and own stops, above the gradient of a line that is not level."""
     limits, ends, gradients = found.many, found.ends, found.gradients
     rows = (4.0, 1.0) if np.any(gradients.permille) else (5.0,)
@@ -46,14 +46,14 @@ def figure_of_supervision(found: Found) -> Figure:
     return titled(figure, message_of_stops(found))
 
 
-def range_of_line(found: Found, behind: float) -> tuple[float, float, np.ndarray]:
+def range_of_line(found: CurveResults, behind: float) -> tuple[float, float, np.ndarray]:
     """Return the drawn range of the line, with a share of it behind the end, and where its gradients change [m]."""
     left, starts = float(np.min(found.many.I)), found.gradients.starts
     right = found.ends + behind * (found.ends - left)
     return left, right, np.concatenate([[min(left, starts[0])], starts[1:], [right]])
 
 
-def message_of_stops(found: Found) -> str:
+def message_of_stops(found: CurveResults) -> str:
     """Return the message of the figure, and of the command."""
     if not found.stops:
         return "Limits that ETCS supervises before the target"

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from bogie_braking.braking_curves.compute import LIMITS, Found
+from bogie_braking.braking_curves.compute import LIMITS, CurveResults
 from bogie_braking.braking_curves.pictures import message_of_stops
 from bogie_braking.braking_curves.safety import document_of, lines_of
 from products.supervision import Steps
@@ -16,7 +16,7 @@ REACH = 20.0 / 3.6
 TIMES = ("T_brake_emergency", "T_brake_service")
 
 
-def document(found: Found) -> dict[str, Any]:
+def document(found: CurveResults) -> dict[str, Any]:
     """Return what --json prints."""
     chosen, data, few, train = found.chosen, found.data, found.few, found.data.train
     by_decelerations = train.position is None
@@ -60,7 +60,7 @@ def _steps(steps: Steps, name: str = "m_s2") -> dict[str, list[float]]:
     }
 
 
-def text(found: Found) -> list[str]:
+def text(found: CurveResults) -> list[str]:
     """Return the lines that are printed."""
     limits = [*LIMITS, *(["GUI"] if found.few.GUI is not None else [])]
     heads = [*limits, *(["own stop"] if found.stops else [])]
@@ -80,13 +80,13 @@ def text(found: Found) -> list[str]:
     return lines
 
 
-def title_of_distances(found: Found) -> str:
+def title_of_distances(found: CurveResults) -> str:
     """Return the title of the table of distances before the place that no train may pass."""
     end = "the supervised location" if found.chosen.beyond else "the target"
     return f"Distance before {end}, {found.ends:g} m [m]"
 
 
-def _lines_of_train(found: Found) -> list[str]:
+def _lines_of_train(found: CurveResults) -> list[str]:
     data, train = found.data, found.data.train
     lines = [
         f"{found.chosen.file}: {train_words(found)}",
@@ -110,7 +110,7 @@ def _lines_of_train(found: Found) -> list[str]:
     return lines
 
 
-def shift_words(found: Found) -> str:
+def shift_words(found: CurveResults) -> str:
     """Return how far rounding moved the limits: away from the target is the safe side."""
     further = max(shift.further for shift in found.shifts)
     words = f"By rounding, limits lie up to {further:.1f} m further from the target, the safe side"
@@ -124,7 +124,7 @@ def shift_words(found: Found) -> str:
     return f"{words}. On the unsafe side, nearer to it: {near}. Their curves continue behind a moving target."
 
 
-def _levels_of(found: Found) -> list[float] | None:
+def _levels_of(found: CurveResults) -> list[float] | None:
     """Return Kdry_rst of the levels 0 to 9, if they are known and the same at each speed."""
     data = found.data
     if data.factors is not None:
@@ -135,7 +135,7 @@ def _levels_of(found: Found) -> list[float] | None:
     return [float(steps.values[0]) for steps in data.dry_by_level]
 
 
-def _lines_of_factors(found: Found) -> list[str]:
+def _lines_of_factors(found: CurveResults) -> list[str]:
     """Return the factors of all levels and those in use; none if all are 1."""
     train, levels, lines = found.data.train, _levels_of(found), []
     if levels is not None:
@@ -150,7 +150,7 @@ def _lines_of_factors(found: Found) -> list[str]:
     return lines
 
 
-def lines_of_target(found: Found) -> list[str]:
+def lines_of_target(found: CurveResults) -> list[str]:
     """Return what the target, the line and the country leave out."""
     lines = []
     if found.kind != "EOA":
@@ -171,7 +171,7 @@ def lines_of_target(found: Found) -> list[str]:
     return lines
 
 
-def _boundaries_beyond(found: Found) -> list[str]:
+def _boundaries_beyond(found: CurveResults) -> list[str]:
     """Return the step functions of train data whose boundaries are all above the speeds of the limits, as in km/h."""
     train, fastest, beyond = found.data.train, float(found.many.V_est.max()), []
     for name in ("A_brake_emergency", "A_brake_service", "Kdry_rst", "Kwet_rst"):
@@ -181,7 +181,7 @@ def _boundaries_beyond(found: Found) -> list[str]:
     return [f"Steps begin above all speeds here, {3.6 * fastest:.0f} km/h: {', '.join(beyond)}."] if beyond else []
 
 
-def train_words(found: Found) -> str:
+def train_words(found: CurveResults) -> str:
     """Return the train in words: vehicles, mass, length, brake percentage, or the source of its data."""
     consist, train = found.data.consist, found.data.train
     if consist is None:

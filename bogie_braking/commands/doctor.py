@@ -26,7 +26,7 @@ PROBE, MOST_NAMES = 1 << 16, 3
 
 
 @dataclass(frozen=True)
-class Finding:
+class PartFinding:
     """One line: its verdict, the part that was checked with the result, and the remedy if it is missing."""
 
     verdict: str
@@ -50,7 +50,7 @@ def run(chosen: argparse.Namespace) -> int:
     return 0 if complete else 1
 
 
-def findings() -> Iterator[Finding]:
+def findings() -> Iterator[PartFinding]:
     """Yield the findings, the most general first; the last ones only if all packages are present."""
     yield python()
     installed = list(packages())
@@ -61,21 +61,21 @@ def findings() -> Iterator[Finding]:
         yield from (installation(), shipped, compiles, cache(compiles.verdict == OK))
 
 
-def python() -> Finding:
+def python() -> PartFinding:
     """Return the finding on the interpreter and the operating system."""
     text = f"Python {platform.python_version()} on {platform.system()} {platform.machine()}"
     if sys.version_info < LEAST_PYTHON:
-        return Finding(MISSING, text, f"Install Python {'.'.join(map(str, LEAST_PYTHON))} or later.")
-    return Finding(OK, text)
+        return PartFinding(MISSING, text, f"Install Python {'.'.join(map(str, LEAST_PYTHON))} or later.")
+    return PartFinding(OK, text)
 
 
-def packages() -> Iterator[Finding]:
+def packages() -> Iterator[PartFinding]:
     """Yield one finding for the required packages and one for each extra."""
     try:
         about = metadata(PROJECT)
         from packaging.requirements import Requirement
     except (PackageNotFoundError, ImportError):
-        yield Finding(MISSING, f"{PROJECT}: not installed", "Install its wheel, or in a checkout: pip install -e .")
+        yield PartFinding(MISSING, f"{PROJECT}: not installed", "Install its wheel, or in a checkout: pip install -e .")
         return
     asked = [Requirement(text) for text in about.get_all("Requires-Dist") or []]
     for extra in ("", *(about.get_all("Provides-Extra") or [])):
@@ -89,7 +89,7 @@ def belongs(marker: Any, extra: str) -> bool:
     return marker.evaluate({"extra": extra}) and not (extra and marker.evaluate({"extra": ""}))
 
 
-def group(extra: str, asked: Mapping[str, Any]) -> Finding:
+def group(extra: str, asked: Mapping[str, Any]) -> PartFinding:
     """Return the finding on a group of required packages; asked: versions by name."""
     here, wrong = [], []
     for name, versions in asked.items():
@@ -102,22 +102,26 @@ def group(extra: str, asked: Mapping[str, Any]) -> Finding:
             wrong.append(f"{name} {version(name)} is not {versions}")
     label = f"extra {extra}" if extra else "packages"
     if not wrong:
-        return Finding(OK, f"{label}: {', '.join(here) or 'nothing on this machine'}")
+        return PartFinding(OK, f"{label}: {', '.join(here) or 'nothing on this machine'}")
     install = f"pip install '{PROJECT}[{extra}]'" if extra else f"pip install '{PROJECT}'"
-    return Finding(WITHOUT if extra else MISSING, f"{label}: {', '.join(wrong)}", f"{install}, in a checkout with -e .")
+    return PartFinding(
+        WITHOUT if extra else MISSING, f"{label}: {', '.join(wrong)}", f"{install}, in a checkout with -e ."
+    )
 
 
-def installation() -> Finding:
+def installation() -> PartFinding:
     """Return whether the files of the package are unchanged since installation, tables, pages and code among them."""
     own = [one for one in distribution(PROJECT).files or [] if one.parts[0] == PACKAGE]
     listed = [one for one in own if one.hash and one.hash.mode == "sha256"]
     if not listed:
-        return Finding(OK, "installation: a checkout, whose files have no checksums")
+        return PartFinding(OK, "installation: a checkout, whose files have no checksums")
     wrong = [str(one) for one in listed if not unchanged(Path(str(one.locate())), str(one.hash and one.hash.value))]
     text = f"installation: {len(listed)} files"
     if wrong:
-        return Finding(MISSING, f"{text}; damaged: {shortened(wrong)}", f"pip install --force-reinstall '{PROJECT}'")
-    return Finding(OK, text)
+        return PartFinding(
+            MISSING, f"{text}; damaged: {shortened(wrong)}", f"pip install --force-reinstall '{PROJECT}'"
+        )
+    return PartFinding(OK, text)
 
 
 def unchanged(path: Path, checksum: str) -> bool:
@@ -135,7 +139,7 @@ def shortened(names: Sequence[str]) -> str:
     return ", ".join(names[:MOST_NAMES]) + more
 
 
-def prebuilt() -> Finding:
+def prebuilt() -> PartFinding:
     """Return the finding on the prebuilt FMUs of a wheel."""
     from products.prebuilt import CONTENTS, PREBUILT, contents, damaged, sources_here
 
@@ -144,17 +148,19 @@ def prebuilt() -> Finding:
         wrong = [CONTENTS]
     if wrong:
         text = f"prebuilt FMUs: damaged: {shortened(wrong)}"
-        return Finding(WITHOUT, text, "Install the package again; until then each is compiled when it is first needed.")
+        return PartFinding(
+            WITHOUT, text, "Install the package again; until then each is compiled when it is first needed."
+        )
     if not about:
-        return Finding(WITHOUT, "prebuilt FMUs: none", "Nothing to do: each is compiled when it is first needed.")
+        return PartFinding(WITHOUT, "prebuilt FMUs: none", "Nothing to do: each is compiled when it is first needed.")
     text = f"prebuilt FMUs: {', '.join(about['contents'])} for {about['platform']}"
     if about["sources"] != sources_here():
         text += "; sources were changed since"
-        return Finding(WITHOUT, text, "Nothing to do: what that touches is compiled when it is first needed.")
-    return Finding(OK, text)
+        return PartFinding(WITHOUT, text, "Nothing to do: what that touches is compiled when it is first needed.")
+    return PartFinding(OK, text)
 
 
-def compiler(spared: bool) -> Finding:
+def compiler(spared: bool) -> PartFinding:
     """Return whether C can be compiled; `spared`: the scenarios' FMUs are prebuilt."""
     from fmu_src import compile as compiling
 
@@ -168,11 +174,11 @@ def compiler(spared: bool) -> Finding:
         advice = f"Install gcc or clang, name a compiler in $CC, or: {compiling.INSTALL_ZIG}"
         if spared:
             advice += "; without one changed equations cannot be run."
-        return Finding(WITHOUT if spared else MISSING, f"C compiler: {command} does not work ({reason})", advice)
-    return Finding(OK, f"C compiler: {command}")
+        return PartFinding(WITHOUT if spared else MISSING, f"C compiler: {command} does not work ({reason})", advice)
+    return PartFinding(OK, f"C compiler: {command}")
 
 
-def cache(compiles: bool) -> Finding:
+def cache(compiles: bool) -> PartFinding:
     """Return the finding on the cache of compiled kernels and FMUs, found as their loader finds it; compiles:
 
     C can be compiled.
@@ -189,11 +195,11 @@ def cache(compiles: bool) -> Finding:
             compiling.loaded(compiling.plain_library({"probe.c": PROBE_IN_C}))
     except (compiling.CompilerError, StorageError) as error:
         reason, _, advice = str(error).partition(". ")
-        return Finding(MISSING, f"cache: {reason}", advice or compiling.sentence(compiling.ANOTHER_CACHE))
+        return PartFinding(MISSING, f"cache: {reason}", advice or compiling.sentence(compiling.ANOTHER_CACHE))
     size = sum(path.stat().st_size for path in compiling.CACHE.rglob("*") if path.is_file())
     text = f"cache: {compiling.CACHE}, {size / 1e6:.0f} MB"
     wrong = [kept_file.name for kept_file in kept_files(compiling.CACHE) if kept_file.exists() and not whole(kept_file)]
     if wrong:
         text += f"; not whole: {shortened(wrong)}"
-        return Finding(WITHOUT, text, "Nothing to do: each is made again when it is next needed.")
-    return Finding(OK, text)
+        return PartFinding(WITHOUT, text, "Nothing to do: each is made again when it is next needed.")
+    return PartFinding(OK, text)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from bogie_braking.controllers.controller_loader import Given
 from bogie_braking.controllers.estimate import LEVEL, Sample
-from bogie_braking.controllers.scoring import Plan, Scored, compare, litres, runs_of, stops_of
+from bogie_braking.controllers.scoring import DrawsPlan, ScoredController, compare, litres, runs_of, stops_of
 from products.machine import Machine
 from products.protection.criteria import MEANS, Criterion
 from products.protection.own_process import Order
@@ -42,7 +42,7 @@ class CaseResult:
     """
 
     case: Case
-    score: Scored
+    score: ScoredController
     dry: Stop
 
 
@@ -149,7 +149,7 @@ def stops_for_report(
     cases: Sequence[Case],
     criteria: Sequence[Criterion],
     settings: Settings,
-    plan: Plan,
+    plan: DrawsPlan,
     level: int,
     recorded: bool,
 ) -> list[CaseResult]:
@@ -157,17 +157,17 @@ def stops_for_report(
     order = Order(machine, None, replace(settings, jitter=plan.spread.jitter), level=level)
     dry = stops_of(order, "none", runs_of(machine, [on_dry_rail(case) for case in cases], level))
 
-    def tested(scores: Sequence[Scored]) -> list[CaseResult]:
+    def tested(scores: Sequence[ScoredController]) -> list[CaseResult]:
         each = zip(cases, scores, dry, strict=True)
         return [CaseResult(case, replace(score, dry=stop.distance), stop) for case, score, stop in each]
 
-    def unsettled(scores: Sequence[Scored]) -> set[str]:
+    def unsettled(scores: Sequence[ScoredController]) -> set[str]:
         return undecided(tested(scores), criteria, plan)
 
     return tested(compare(machine, {name: controller}, cases, settings, plan, level, recorded, unsettled, deals=True))
 
 
-def undecided(tested: Sequence[CaseResult], criteria: Sequence[Criterion], plan: Plan) -> set[str]:
+def undecided(tested: Sequence[CaseResult], criteria: Sequence[Criterion], plan: DrawsPlan) -> set[str]:
     """Return the cases in which more draws may decide a criterion."""
     found = findings(tested, criteria, len(plan.looks))
     return {one.case for one in found if one.verdict == UNDECIDED and one.value is not None and one.half > 0.0}

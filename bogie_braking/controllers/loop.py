@@ -24,7 +24,7 @@ import numpy as np
 
 from bogie_braking.controllers.options import add_case, rigged
 from bogie_braking.controllers.remote import Counts, Remote
-from bogie_braking.controllers.scoring import Scored, ideal_distance, runs_of
+from bogie_braking.controllers.scoring import ScoredController, ideal_distance, runs_of
 from bogie_braking.controllers.table import document, lines, show, write_document
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.scenario import BadInputError
@@ -65,7 +65,9 @@ def run(chosen: argparse.Namespace) -> bool:
     with socket_at(chosen.host, chosen.port) as own:
         found = run_in_loop(machine, run, settings, own, chosen.pace)
     ideal = ideal_distance(machine, run, settings)
-    score = Scored(chosen.rail, "client", found.stop, machine.parameters.wheel_radius, ideal, None, run.driven)
+    score = ScoredController(
+        chosen.rail, "client", found.stop, machine.parameters.wheel_radius, ideal, None, run.driven
+    )
     about = document(machine.title, settings, [score]) | {"loop": loop_document(found)}
     text = write_document(chosen.out / "controllers" / "loop.json", about)
     show(chosen, text, [*lines(machine.title, settings, [score]), "", *messages(found)])

@@ -9,7 +9,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 
 from bogie_braking.controllers.controller_loader import Given
-from bogie_braking.controllers.scoring import FEW, LOOKS, Plan
+from bogie_braking.controllers.scoring import FEW, LOOKS, DrawsPlan
 from bogie_braking.reporting.scenario import BadInputError
 from products.machine import MACHINES, Machine
 from products.protection.controller_kinds import InC
@@ -48,13 +48,13 @@ def add_draws(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(f"--{name}-spread", type=one, default=usual, metavar="SHARE", help=text)
 
 
-def plan_of(chosen: argparse.Namespace, controllers: Mapping[str, Given]) -> tuple[Plan, str]:
+def plan_of(chosen: argparse.Namespace, controllers: Mapping[str, Given]) -> tuple[DrawsPlan, str]:
     """Return the requested draws, and the controller because of which they are few."""
     slow = next((name for name, one in controllers.items() if not (one is None or isinstance(one, InC | Apart))), "")
     spread = Spread(chosen.friction_spread, chosen.load_spread, chosen.jitter)
     if chosen.draws:
-        return Plan(spread, chosen.seed, chosen.draws), ""
-    return Plan(spread, chosen.seed, FEW if slow else LOOKS[-1]), slow
+        return DrawsPlan(spread, chosen.seed, chosen.draws), ""
+    return DrawsPlan(spread, chosen.seed, FEW if slow else LOOKS[-1]), slow
 
 
 def add_case(parser: argparse.ArgumentParser) -> None:

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bogie_braking.controllers import table, verdict
-from bogie_braking.controllers.scoring import Scored
+from bogie_braking.controllers.scoring import ScoredController
 from bogie_braking.web.frame import filled, packed
 from products.machine import Machine
-from products.protection.history import History
+from products.protection.history import StopHistory
 from products.protection.rails import LOCK_ABOVE
 from products.protection.settings import Settings
 
@@ -29,7 +29,7 @@ TIME, DISTANCE, SPEED, EFFORT = 1e-3, 0.1, 0.01, 1e3
 LARGEST = 2**15 - 1
 
 
-def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[Scored], draws: str) -> str:
+def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[ScoredController], draws: str) -> str:
     """Return the text of the page, from scores with their histories; draws: as `table.drawn` returns it."""
     found = verdict.verdicts(scores)
     by_case = [list(group) for _, group in groupby(table.rows_of(scores), lambda row: row[0])]
@@ -47,12 +47,12 @@ def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[Sc
     )
 
 
-def names_of(scores: Sequence[Scored]) -> list[str]:
+def names_of(scores: Sequence[ScoredController]) -> list[str]:
     """Return the names of the cases, in their order."""
     return list(dict.fromkeys(score.case for score in scores))
 
 
-def first_case(scores: Sequence[Scored]) -> str:
+def first_case(scores: Sequence[ScoredController]) -> str:
     """Return the case with the largest range of distances over the ideal; it is selected first."""
     ratios: dict[str, list[float]] = {name: [] for name in names_of(scores)}
     for score in scores:
@@ -69,7 +69,7 @@ def heads(names: Sequence[str], units: Sequence[str]) -> list[tuple[str, str]]:
 # -- what the scripts are given ----------------------------------------------------------------------------------------
 
 
-def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
+def data(machine: Machine, scores: Sequence[ScoredController]) -> dict[str, object]:
     """Return the data of all stops.
 
     Their histories are one string: 16-bit differences of integers, deflated, in base64.
@@ -103,21 +103,21 @@ def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
     }
 
 
-def full_effort(machine: Machine, scores: Sequence[Scored]) -> float:
+def full_effort(machine: Machine, scores: Sequence[ScoredController]) -> float:
     """Return the pressure of the full brake [Pa]; of starts the largest recorded torque of a motor [N.m]."""
     if not scores[0].driven:
         return machine.full_pressure
     return max(float(score.history.effort.max()) for score in scores if score.history)
 
 
-def thinned(history: History) -> History:
+def thinned(history: StopHistory) -> StopHistory:
     """Return the history with at most MOST_SAMPLES samples and the last one."""
     chosen = np.arange(0, history.time.size - 1, math.ceil(history.time.size / MOST_SAMPLES))
     chosen = np.append(chosen, history.time.size - 1)
-    return History(**{name: values[chosen] for name, values in vars(history).items()})
+    return StopHistory(**{name: values[chosen] for name, values in vars(history).items()})
 
 
-def columns_of(history: History, radius: float) -> bytes:
+def columns_of(history: StopHistory, radius: float) -> bytes:
     """Return the columns in sequence: time, distance, speed; of all wheelsets speed, sensor speed, effort, valve."""
     columns = [history.time / TIME, history.distance / DISTANCE, history.speed / SPEED]
     wheel_speed = radius * history.angular_velocity

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
-from bogie_braking.controllers.scoring import Scored, sliding_cases
+from bogie_braking.controllers.scoring import ScoredController, sliding_cases
 from bogie_braking.controllers.verdict import best_given, verdicts
 from bogie_braking.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, one_word, plt, titled
 
@@ -36,7 +36,7 @@ LABEL = "{distance} over that with the best slip at every instant [1]"
 LETTERS = 48
 
 
-def draw(scores: Sequence[Scored]) -> Figure:
+def draw(scores: Sequence[ScoredController]) -> Figure:
     """Draw the distances over the ideal, a row for each case and a marker for each controller; at the edge: no stop."""
     cases, names = (list(dict.fromkeys(getattr(one, kind) for one in scores)) for kind in ("case", "controller"))
     figure, axis = plt.subplots(figsize=(9.0, AROUND + max(1.0, (ROW + OF_EACH * len(names)) * len(cases))))
@@ -66,7 +66,7 @@ def draw(scores: Sequence[Scored]) -> Figure:
     return figure
 
 
-def near_ratios(scores: Sequence[Scored], name: str) -> list[float]:
+def near_ratios(scores: Sequence[ScoredController], name: str) -> list[float]:
     """Return a controller's distances over the ideal in the cases in which a wheel slides."""
     sliding = sliding_cases(scores)
     own = [score.over(score.ideal) for score in scores if score.controller == name and score.case in sliding]
@@ -80,7 +80,7 @@ def count(ratios: Collection[float], cases: int) -> str:
     return f"{sum(ratio <= NEAR for ratio in ratios)} of {cases}"
 
 
-def set_axis(axis: Axes, scores: Sequence[Scored], cases: Sequence[str]) -> float:
+def set_axis(axis: Axes, scores: Sequence[ScoredController], cases: Sequence[str]) -> float:
     """Set the names of the cases, the band near the ideal and the edge, whose place is returned."""
     ratios = [ratio for score in scores if (ratio := score.over(score.ideal)) is not None]
     largest = max([NEAR, *ratios])
@@ -113,7 +113,7 @@ def plain(name: str) -> str:
     return name.replace("$", r"\$")
 
 
-def message(scores: Sequence[Scored]) -> str:
+def message(scores: Sequence[ScoredController]) -> str:
     """Return the title of the figure, in at most twelve words if a name is one."""
     found = verdicts(scores)
     best = best_given(found)

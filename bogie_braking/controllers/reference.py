@@ -30,7 +30,7 @@ from bogie_braking.reporting.scenario import BadInputError
 from brake_controller.slide_protection import OWN_HEADER, one_file, slide_sources
 from brake_controller.wheel_slide import Supervised
 from products.protection.controller_kinds import single
-from products.protection.own_process import Apart, EndedError, NoControllerError, called_apart
+from products.protection.own_process import Apart, NoControllerError, ProcessEndedError, called_apart
 from products.protection.reference_stops import MOST, STOPS, Look, ReferenceStop, looks_of
 from readers.storage import write_whole
 
@@ -148,7 +148,7 @@ def check_controller(text: str) -> str:
         answers = called_apart(answered, named, stops, looks) if apart else answered(named, stops, looks)
     except NoControllerError as error:
         raise BadInputError(f"{text} is no controller ({error}); give one.") from None
-    except EndedError as error:
+    except ProcessEndedError as error:
         return f"{text}: the controller {error}."
     found = (first_difference(*one) for one in zip(stops, looks, answers, strict=True))
     return next(filter(None, found), "")

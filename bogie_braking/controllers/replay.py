@@ -38,7 +38,7 @@ from brake_controller.wheel_slide import APPLY, COMMANDS, HOLD, VENT, Controller
 from fmu_src.cosimulation.measured import table_from
 from fmu_src.cosimulation.recording import Recording
 from products.protection.controller_kinds import single
-from products.protection.own_process import Apart, EndedError, NoControllerError, called_apart
+from products.protection.own_process import Apart, NoControllerError, ProcessEndedError, called_apart
 from products.protection.settings import LONGEST_PERIOD
 from readers.command_line import quantity
 from readers.log_columns import ColumnMap
@@ -133,7 +133,7 @@ def run(chosen: argparse.Namespace) -> bool:
         found: Replayed = call(log, name, controller, period)
     except NoControllerError as error:
         raise BadInputError(f"{name} is no controller ({error}); give one.") from None
-    except EndedError as error:
+    except ProcessEndedError as error:
         print(f"The controller {name} {error}; of its commands nothing is known.", file=sys.stderr)
         return False
     folder = chosen.out / "controllers"

@@ -41,7 +41,7 @@ from bogie_braking.controllers.report_document import (
 )
 from bogie_braking.controllers.report_page import report_page
 from bogie_braking.controllers.report_text import lines, undecided_note
-from bogie_braking.controllers.scoring import Plan
+from bogie_braking.controllers.scoring import DrawsPlan
 from bogie_braking.controllers.table import about, drawn, show, write_document
 from bogie_braking.reporting.scenario import BadInputError
 from products.machine import MACHINES, TRACTION
@@ -184,7 +184,7 @@ def files_of(chosen: argparse.Namespace, cases: Sequence[Case]) -> dict[str, Pat
     }
 
 
-def arguments_of(chosen: argparse.Namespace, plan: Plan) -> list[str]:
+def arguments_of(chosen: argparse.Namespace, plan: DrawsPlan) -> list[str]:
     """Return the arguments with which the command makes the same report."""
     given = {
         "programme": chosen.programme,

@@ -21,7 +21,7 @@ from bogie_braking.reporting.scenario import BadInputError
 from fmu_src.suggestion import suggestion
 from products.machine import Machine, filling_by_flow
 from products.protection.compiled_machine import machine_model
-from products.protection.history import EVERY, History
+from products.protection.history import EVERY, StopHistory
 from products.protection.own_process import Apart, NoControllerError, Order, runs_apart
 from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.programme import Case
@@ -64,7 +64,7 @@ START_WORDS = Words("arrives", "arrive", "no arrival", "distance to the speed", 
 
 
 @dataclass(frozen=True)
-class Plan:
+class DrawsPlan:
     """Plan of the draws.
 
     spread: spreads between stops. seed: other seeds give independent draws. most: largest number of draws of a case.
@@ -83,7 +83,7 @@ class Plan:
 
 
 @dataclass(frozen=True)
-class Scored:
+class ScoredController:
     """A controller in a case: its stops over the draws as one, with the ideal and its own on the dry rail [m].
 
     radius: of the wheels [m]; driven: it is a start. stops: one for each draw; empty: `stop` is the only one. draws: of
@@ -132,7 +132,7 @@ class Scored:
         return None if self.distances is None or self.ideal is None else self.distances.over(self.ideal)
 
     @property
-    def history(self) -> History | None:
+    def history(self) -> StopHistory | None:
         """Return the course over time, if it was recorded."""
         return self.stop.history
 
@@ -168,7 +168,7 @@ def litres(stop: Stop) -> float:
     return 1e3 * stop.air * GAS / FREE_AIR
 
 
-def slid_cases(scores: Sequence[Scored]) -> set[str]:
+def slid_cases(scores: Sequence[ScoredController]) -> set[str]:
     """Return the cases in which a wheel slides: under one controller at least, or without one, a wheelset locks.
 
     Driven, a wheelset spins.
@@ -176,7 +176,7 @@ def slid_cases(scores: Sequence[Scored]) -> set[str]:
     return {score.case for score in scores if score.stop.judged and score.stop.longest_lock > 0.0}
 
 
-def sliding_cases(scores: Sequence[Scored]) -> list[str]:
+def sliding_cases(scores: Sequence[ScoredController]) -> list[str]:
     """Return the cases that count in the median: those in which a wheel slides; all cases if no wheel slides."""
     cases, slid = list(dict.fromkeys(score.case for score in scores)), slid_cases(scores)
     return [case for case in cases if case in slid] or cases
@@ -217,12 +217,12 @@ def compare(
     controllers: Mapping[str, Given],
     cases: Sequence[Case],
     settings: Settings,
-    plan: Plan,
+    plan: DrawsPlan,
     level: int = 2,
     recorded: bool = False,
-    unsettled: Callable[[Sequence[Scored]], Collection[str]] | None = None,
+    unsettled: Callable[[Sequence[ScoredController]], Collection[str]] | None = None,
     deals: bool = False,
-) -> list[Scored]:
+) -> list[ScoredController]:
     """Return the scores of every controller in every case, case by case.
 
     unsettled: returns the cases to draw more often; by default all. deals: threads get as many long stops as others.
@@ -287,13 +287,13 @@ def scored(
     ideals: Sequence[float | None],
     stops: Mapping[str, Sequence[Sequence[Stop]]],
     draws: Sequence[Sequence[Draw]],
-) -> list[Scored]:
+) -> list[ScoredController]:
     """Return the scores of these stops, by controllers and cases; draws: by cases."""
     radius, found = machine.parameters.wheel_radius, []
     for place, (case, run, ideal) in enumerate(zip(cases, runs, ideals, strict=True)):
         for name, of_each in stops.items():
             own, drawn = tuple(of_each[place]), tuple(draws[place])
-            found.append(Scored(case.name, name, together(own), radius, ideal, None, run.driven, own, drawn))
+            found.append(ScoredController(case.name, name, together(own), radius, ideal, None, run.driven, own, drawn))
     dry = {one.controller: one.distance.mean for one in found if one.case == "dry" and one.distance}
     alike = {case.name for case in cases if case.speed is None}
     return [replace(one, dry=dry.get(one.controller)) if one.case in alike else one for one in found]

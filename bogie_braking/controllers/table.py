@@ -9,7 +9,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 
 from bogie_braking.controllers.estimate import LEVEL, Estimate, less
-from bogie_braking.controllers.scoring import LOOKS, Plan, Scored
+from bogie_braking.controllers.scoring import LOOKS, DrawsPlan, ScoredController
 from bogie_braking.reporting.text_table import text_table
 from products.protection.rails import LOCK_ABOVE
 from products.protection.rig import START_SPEED
@@ -24,7 +24,7 @@ HEADS = (
 UNITS = ("", "", "m", "m", "%", "1", "1", "s", "1", "kJ", "mm", "l", "kPa")
 
 
-def lines(vehicle: str, settings: Settings, scores: Sequence[Scored], draws: str = "") -> Iterator[str]:
+def lines(vehicle: str, settings: Settings, scores: Sequence[ScoredController], draws: str = "") -> Iterator[str]:
     """Yield the lines of the table, and the messages; draws: as `drawn` returns it."""
     yield about(vehicle, settings, scores)
     yield from [draws] if draws else []
@@ -36,7 +36,7 @@ def lines(vehicle: str, settings: Settings, scores: Sequence[Scored], draws: str
         yield text
 
 
-def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
+def about(vehicle: str, settings: Settings, scores: Sequence[ScoredController]) -> str:
     """Return the common conditions of all stops, or starts."""
     sensors = f"{settings.pulses} pulses a revolution, every {1e3 * settings.period:g} ms"
     what = "traction" if scores[0].driven else "brake"
@@ -48,7 +48,7 @@ def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
     return f"{vehicle}: {torque} {way} unless the case says otherwise, {sensors}; {lock}"
 
 
-def drawn(scores: Sequence[Scored], plan: Plan, few: str = "") -> str:
+def drawn(scores: Sequence[ScoredController], plan: DrawsPlan, few: str = "") -> str:
     """Return the number of draws of each case, and their spreads.
 
     few: the controller because of which the number is limited to FEW.
@@ -67,9 +67,9 @@ def drawn(scores: Sequence[Scored], plan: Plan, few: str = "") -> str:
     return f"{draws}: phases of the sensors, {varied} (all assumed); seed {plan.seed}"
 
 
-def shortest(scores: Sequence[Scored]) -> dict[str, Scored]:
+def shortest(scores: Sequence[ScoredController]) -> dict[str, ScoredController]:
     """Return the score with the shortest mean distance in each case."""
-    found: dict[str, Scored] = {}
+    found: dict[str, ScoredController] = {}
     for score in scores:
         least = found.get(score.case)
         if score.distance and (least is None or not least.distance or score.distance.mean < least.distance.mean):
@@ -77,7 +77,7 @@ def shortest(scores: Sequence[Scored]) -> dict[str, Scored]:
     return found
 
 
-def rows_of(scores: Sequence[Scored]) -> list[tuple[str, ...]]:
+def rows_of(scores: Sequence[ScoredController]) -> list[tuple[str, ...]]:
     """Return the rows of the table, each with its difference to the shortest distance in its case."""
     least = shortest(scores)
     pairs = len({one.case for one in scores}) * math.comb(len({one.controller for one in scores}), 2)
@@ -85,7 +85,7 @@ def rows_of(scores: Sequence[Scored]) -> list[tuple[str, ...]]:
     return [cells(score, least.get(score.case), level) for score in scores]
 
 
-def longer_by(scored: Scored, least: Scored | None, level: float) -> str:
+def longer_by(scored: ScoredController, least: ScoredController | None, level: float) -> str:
     """Return the paired difference to the shortest distance [%], or that both cannot be told apart."""
     if least is None or scored.distances is None or least.distances is None or least.distance is None:
         return "-"
@@ -99,12 +99,12 @@ def longer_by(scored: Scored, least: Scored | None, level: float) -> str:
     return f"{100 * found.mean:.1f}"
 
 
-def messages(scores: Sequence[Scored]) -> list[str]:
+def messages(scores: Sequence[ScoredController]) -> list[str]:
     """Return the messages of the stops that have one."""
     return [f"{score.controller}, {score.case}: {score.stop.message}" for score in scores if score.stop.message]
 
 
-def cells(scored: Scored, least: Scored | None = None, level: float = LEVEL) -> tuple[str, ...]:
+def cells(scored: ScoredController, least: ScoredController | None = None, level: float = LEVEL) -> tuple[str, ...]:
     """Return a row of the table; of a stop without a verdict only that.
 
     least: the score with the shortest distance in the case; level: probability of the interval of the difference.
@@ -131,13 +131,15 @@ def half(estimate: Estimate, unit: float, form: str) -> str:
     return f"±{format(estimate.half / unit, form)}" if math.isfinite(estimate.half) else "-"
 
 
-def document(vehicle: str, settings: Settings, scores: Sequence[Scored], plan: Plan | None = None) -> dict[str, object]:
+def document(
+    vehicle: str, settings: Settings, scores: Sequence[ScoredController], plan: DrawsPlan | None = None
+) -> dict[str, object]:
     """Return the results for programs; SI units, air in litres."""
     draws = {"plan": asdict(plan)} if plan else {}
     return {"vehicle": vehicle, "settings": asdict(settings), **draws, "runs": runs_document(scores)}
 
 
-def runs_document(scores: Sequence[Scored]) -> list[dict[str, object]]:
+def runs_document(scores: Sequence[ScoredController]) -> list[dict[str, object]]:
     """Return the stops for programs; SI units, air in litres."""
     return [
         {"case": score.case, "controller": score.controller, **asdict(replace(score.stop, history=None))}

@@ -11,7 +11,7 @@ import numpy as np
 
 from bogie_braking.controllers.controller_loader import ALWAYS
 from bogie_braking.controllers.estimate import LEVEL, Estimate, Sample, across, less
-from bogie_braking.controllers.scoring import LOOKS, STOP_WORDS, Scored, Words, slid_cases, sliding_cases
+from bogie_braking.controllers.scoring import LOOKS, STOP_WORDS, ScoredController, Words, slid_cases, sliding_cases
 from bogie_braking.controllers.table import half
 from bogie_braking.reporting.text_table import text_table
 from products.protection.rails import LONGEST_LOCK
@@ -152,7 +152,7 @@ def leaders(found: Sequence[Verdict]) -> list[Verdict]:
     return best
 
 
-def unsettled(scores: Sequence[Scored]) -> set[str]:
+def unsettled(scores: Sequence[ScoredController]) -> set[str]:
     """Return all cases while further draws may change which controllers are told apart from the best."""
     found = verdicts(scores)
     best, level = [one for one in found if one.counts == min(other.counts for other in found)], level_of(len(found))
@@ -164,7 +164,7 @@ def unsettled(scores: Sequence[Scored]) -> set[str]:
     return set()
 
 
-def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
+def verdicts(scores: Sequence[ScoredController]) -> list[Verdict]:
     """Return one verdict for each controller, in their order."""
     names = dict.fromkeys(one.controller for one in scores)
     sliding, slid = sliding_cases(scores), slid_cases(scores)
@@ -172,7 +172,9 @@ def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
     return [verdict(name, [one for one in scores if one.controller == name], sliding, without) for name in names]
 
 
-def verdict(name: str, own: Sequence[Scored], sliding: Sequence[str], without: Mapping[str, Scored]) -> Verdict:
+def verdict(
+    name: str, own: Sequence[ScoredController], sliding: Sequence[str], without: Mapping[str, ScoredController]
+) -> Verdict:
     """Return the verdict on the scores of one controller."""
     judged = [one for one in own if one.stop.judged]
     every = {one.case: ratios for one in judged if (ratios := one.ratios) is not None}
@@ -300,7 +302,7 @@ def best_given(found: Sequence[Verdict]) -> Verdict:
     return leaders([one for one in found if one.controller not in ALWAYS] or found)[0]
 
 
-def harm_of(own: Sequence[Scored], without: Mapping[str, Scored]) -> Harm | None:
+def harm_of(own: Sequence[ScoredController], without: Mapping[str, ScoredController]) -> Harm | None:
     """Return the harm of a controller; None if wheels slide in every case, or if it does not stop in another."""
     found, moved = [], 0
     for one in own:

@@ -27,7 +27,7 @@ YAW_PER_BRAKE_TORQUE = 43.92 / 20 / 0.25
 
 
 @dataclass(frozen=True)
-class Machine:
+class LiveVehicle:
     """A vehicle of the page and its view. full_traction [N.m]: of each wheelset; pair: profiles of its wheels.
 
     mass: the body whose mass the page sets, as a word, and the parameter.
@@ -41,8 +41,8 @@ class Machine:
 
 
 MACHINES = {
-    "coach": Machine("coach", coach(), synthetic_pair, 5e3),
-    "bogie": Machine(
+    "coach": LiveVehicle("coach", coach(), synthetic_pair, 5e3),
+    "bogie": LiveVehicle(
         "bogie",
         braked.Machine("bogie", FULL_PRESSURE, BOGIE_TORQUE, FULL_PRESSURE),
         thesis_pair,

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, plt, titled, widen
 from rbd_model.track.line import FRICTIONS, Line
-from rbd_model.track.line_check import Adhesion, Check, deficiency_of
+from rbd_model.track.line_check import AdhesionCheck, LineCheck, deficiency_of
 from rbd_model.track.line_points import LineFromPoints
 
 #: Colours in curves to the left, on straight track, in curves to the right. A curve is steeper than a third of the
@@ -98,7 +98,7 @@ def marks(line: Line) -> np.ndarray:
     return np.arange(np.ceil(first / pitch), np.floor(last / pitch) + 1) * pitch
 
 
-def figure_of_check(line: Line, check: Check, speed: float, friction: float | None = None) -> Figure:
+def figure_of_check(line: Line, check: LineCheck, speed: float, friction: float | None = None) -> Figure:
     """Return plan, curvature, cant, cant deficiency at a speed [m/s], gradient with height, and friction if known.
 
     friction: that of the rail, which the line's factors multiply [1]; None: unknown.
@@ -128,7 +128,7 @@ def figure_of_check(line: Line, check: Check, speed: float, friction: float | No
     return titled(figure, f"At {3.6 * speed:.4g} km/h the cant deficiency reaches {reached:.0f} mm")
 
 
-def draw_friction(axis: Axes, line: Line, adhesion: Adhesion, friction: float) -> None:
+def draw_friction(axis: Axes, line: Line, adhesion: AdhesionCheck, friction: float) -> None:
     """Draw friction of both rails along a line, and where their mean is slippery."""
     at = line.rows["distance"]
     for name, colour in zip(FRICTIONS, (LEADING, TRAILING), strict=True):

@@ -30,7 +30,7 @@ RUN_PAGES, SWEEP_PAGES = ("report.html", "figure.png", "summary.json"), ("table.
 
 
 @dataclass(frozen=True)
-class Run:
+class SavedRun:
     """A scenario's results, as in its summary.json; `link` is relative to the folder of all results."""
 
     name: str
@@ -62,34 +62,34 @@ class Sweep:
 
 
 @dataclass
-class Results:
+class SavedResults:
     """Runs and sweeps of a folder; `skipped` has a message for each folder that is neither."""
 
-    runs: list[Run] = field(default_factory=list)
+    runs: list[SavedRun] = field(default_factory=list)
     sweeps: list[Sweep] = field(default_factory=list)
     skipped: list[str] = field(default_factory=list)
 
 
-def results_in(out: Path) -> Results:
+def results_in(out: Path) -> SavedResults:
     """Return the contents of a folder's subfolders.
 
     Those that begin with a dot are still being written and are skipped.
     """
-    results = Results()
+    results = SavedResults()
     for folder in sorted(path for path in out.glob("[!.]*") if path.is_dir()):
         try:
             one = read(folder)
         except (OSError, ValueError) as error:
             results.skipped.append(f"{folder} is not shown: {str(error).removesuffix('.')}.")
             continue
-        if isinstance(one, Run):
+        if isinstance(one, SavedRun):
             results.runs.append(one)
         else:
             results.sweeps.append(one)
     return results
 
 
-def read(folder: Path) -> Run | Sweep:
+def read(folder: Path) -> SavedRun | Sweep:
     """Return the contents of one folder."""
     path = folder / "summary.json"
     if not path.exists():
@@ -115,14 +115,14 @@ def unfinished(folder: Path) -> str:
     return "it has no summary.json, which a scenario and a sweep leave behind"
 
 
-def run(folder: Path, summary: Mapping[str, Any]) -> Run:
+def run(folder: Path, summary: Mapping[str, Any]) -> SavedRun:
     """Return a scenario's results. Raises ValueError if an entry is not as `report.save` writes it."""
     name = text_in(summary, "scenario", "summary.json")
     rows = list_in(summary, "rows", "summary.json")
     for number, row in enumerate(rows, 1):
         check_row(row, f"summary.json, row {number}")
     wall = number_in(summary, "wall_seconds", "summary.json", 0.0, LONGEST)
-    return Run(name, link(folder, RUN_PAGES), rows, wall)
+    return SavedRun(name, link(folder, RUN_PAGES), rows, wall)
 
 
 def check_row(row: Any, what: str) -> None:

@@ -45,7 +45,7 @@ class Hunting:
 
 
 @dataclass(frozen=True)
-class Check:
+class VehicleCheck:
     """Results of a check.
 
     loads [N]: of the axles at rest. modes: the oscillations at 10 m/s, the slowest first; None: not computed.
@@ -60,7 +60,9 @@ class Check:
     distances: np.ndarray | None
 
 
-def check_of(sheet: DataSheet, with_modes: bool = True, progress: Callable[[str], None] = lambda text: None) -> Check:
+def check_of(
+    sheet: DataSheet, with_modes: bool = True, progress: Callable[[str], None] = lambda text: None
+) -> VehicleCheck:
     """Return the numbers of a vehicle file."""
     progress("axle loads at rest")
     loads = axle_loads(sheet)
@@ -75,7 +77,7 @@ def check_of(sheet: DataSheet, with_modes: bool = True, progress: Callable[[str]
     if sheet.brake:
         progress("stops from four speeds on four rails")
         distances = np.array([[stopping_distance(sheet, v, rail()) for rail in RAILS.values()] for v in SPEEDS])
-    return Check(sheet, loads, modes, hunting, distances)
+    return VehicleCheck(sheet, loads, modes, hunting, distances)
 
 
 def at_times(progress: Callable[[str], None]) -> Callable[[float], None]:

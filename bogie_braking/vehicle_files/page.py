@@ -16,8 +16,8 @@ from bogie_braking.vehicle_files.check import (
     OVERDAMPED,
     RAILS,
     SPEEDS,
-    Check,
     Hunting,
+    VehicleCheck,
     motion_of,
 )
 from bogie_braking.vehicle_files.hunting import FASTEST, FRICTION, HIGHEST, LARGE, TOLERANCE
@@ -33,7 +33,7 @@ MUCH_BELOW = 0.95
 Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 
 
-def tables_of(check: Check) -> list[Table]:
+def tables_of(check: VehicleCheck) -> list[Table]:
     """Return the tables of a check: loads, stops, modes, critical speeds, assumed values."""
     sheet = check.sheet
     found: list[Table] = [
@@ -61,7 +61,7 @@ def tables_of(check: Check) -> list[Table]:
     return found
 
 
-def critical_table(check: Check, hunting: Hunting) -> Table:
+def critical_table(check: VehicleCheck, hunting: Hunting) -> Table:
     """Return the table of critical speeds, how they were computed, and a note if they differ much."""
     sheet = check.sheet
     dampers = [name for name in sheet.parameters.values() if name.endswith("_damping") and name != "contact_damping"]
@@ -89,7 +89,7 @@ def speed_cells(speed: float) -> tuple[str, str]:
     return f"{speed * KILOMETRES_PER_HOUR:.0f}", f"{speed:.1f}"
 
 
-def grouped(check: Check) -> list[tuple[str, str]]:
+def grouped(check: VehicleCheck) -> list[tuple[str, str]]:
     """Return the assumed values, those with one source in one row."""
     sources: dict[str, list[str]] = {}
     for name, source in check.sheet.assumed.items():
@@ -97,7 +97,7 @@ def grouped(check: Check) -> list[tuple[str, str]]:
     return [(", ".join(names), source) for source, names in sources.items()]
 
 
-def lead_of(check: Check) -> str:
+def lead_of(check: VehicleCheck) -> str:
     """Return the first sentences of the page: readers, mass, a stop, what to compare, number of assumed values."""
     sheet = check.sheet
     said = ["For the author of the vehicle file, before its FMU is used or handed on."]
@@ -112,7 +112,7 @@ def lead_of(check: Check) -> str:
     return " ".join(said)
 
 
-def text_of(check: Check) -> str:
+def text_of(check: VehicleCheck) -> str:
     """Return the tables as text."""
     rows: list[str] = []
     for title, names, cells in tables_of(check):
@@ -130,7 +130,7 @@ def wrapped(text: str) -> str:
     return textwrap.fill(text, 100, initial_indent="  ", subsequent_indent="    ", break_on_hyphens=False)
 
 
-def write_results(check: Check, folder: Path) -> list[Path]:
+def write_results(check: VehicleCheck, folder: Path) -> list[Path]:
     """Write the picture and the page of a check into a folder, and return their paths. Raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
     image, page, png = folder / "vehicle.png", folder / "vehicle.html", png_of(picture(check), 100)
@@ -139,7 +139,7 @@ def write_results(check: Check, folder: Path) -> list[Path]:
     return [image, page]
 
 
-def write_page(check: Check, path: Path, png: bytes) -> None:
+def write_page(check: VehicleCheck, path: Path, png: bytes) -> None:
     """Write the page of a check with its picture, one file. Raises OSError."""
     body = [f"<p>{html.escape(lead_of(check))}</p>"]
     body += [f'<img alt="the vehicle" src="data:image/png;base64,{base64.b64encode(png).decode()}">']

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
 from bogie_braking.reporting.plots import BOGIE, FOUR, LEADING, LINES, TRAILING, one_word, plt, titled
-from bogie_braking.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, Check
+from bogie_braking.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, VehicleCheck
 from bogie_braking.vehicle_files.hunting import FASTEST
 from rbd_model.vehicle.parameters import VehicleParameters
 
@@ -17,7 +17,7 @@ from rbd_model.vehicle.parameters import VehicleParameters
 BODY = 2.6
 
 
-def picture(check: Check) -> Figure:
+def picture(check: VehicleCheck) -> Figure:
     """Return the picture of a check."""
     figure = plt.figure(figsize=(10.0, 7.6))
     grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 1.25))
@@ -27,7 +27,7 @@ def picture(check: Check) -> Figure:
     return titled(figure, message(check))
 
 
-def message(check: Check) -> str:
+def message(check: VehicleCheck) -> str:
     """Return the message: mass, and the dry stop from 120 km/h or the critical speed."""
     name, mass = one_word(check.sheet.name), f"{check.sheet.mass / 1e3:.1f} t"
     if check.distances is not None:
@@ -38,7 +38,7 @@ def message(check: Check) -> str:
     return f"{name} has {mass} on {check.sheet.axles} axles"
 
 
-def hunting_words(check: Check) -> str:
+def hunting_words(check: VehicleCheck) -> str:
     """Return the lower one of both critical speeds in words."""
     lowest = min(check.hunting.linear, check.hunting.large) if check.hunting else math.inf
     if math.isinf(lowest):
@@ -46,7 +46,7 @@ def hunting_words(check: Check) -> str:
     return f"may hunt from {lowest * KILOMETRES_PER_HOUR:.0f} km/h"
 
 
-def side_view(axis: Axes, check: Check) -> None:
+def side_view(axis: Axes, check: VehicleCheck) -> None:
     """Draw the vehicle from the side, to scale but for the height of the body."""
     sheet, p = check.sheet, check.sheet.parameters
     radius = p.wheel_radius
@@ -72,7 +72,7 @@ def side_view(axis: Axes, check: Check) -> None:
     axis.title.set_visible(True)
 
 
-def stops(axis: Axes, check: Check) -> None:
+def stops(axis: Axes, check: VehicleCheck) -> None:
     """Draw stopping distances over the speed, a line for each rail."""
     axis.set(title="stopping distance [m], full brake, no protection", xlabel="speed [km/h]")
     if check.distances is None:
@@ -84,7 +84,7 @@ def stops(axis: Axes, check: Check) -> None:
     axis.legend(title="rails")
 
 
-def modes(axis: Axes, check: Check) -> None:
+def modes(axis: Axes, check: VehicleCheck) -> None:
     """Draw the damping of the modes over their frequency."""
     axis.set(title="modes at 10 m/s: share of critical damping", xlabel="frequency [Hz]")
     if check.modes is None:

@@ -15,7 +15,7 @@ from typing import Any
 from pages import DOCS, table
 
 from readers.documents import read_document
-from scenarios.benchmark.case import Case
+from scenarios.benchmark.case import BenchmarkCase
 from scenarios.benchmark.case_file import CASES, cases_in, read_case
 from scenarios.benchmark.score import Score
 from scenarios.benchmark.words import DASH, bound, published, size, time
@@ -45,7 +45,7 @@ def shortened(value: Any) -> Any:
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
 
 
-def cell(case: Case, one: dict[str, Any] | None) -> str:
+def cell(case: BenchmarkCase, one: dict[str, Any] | None) -> str:
     """Return the largest error of a program, the root mean square of many, and the number of points with an answer."""
     if one is None:
         return DASH
@@ -93,7 +93,7 @@ def generated() -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def rank(case: Case, own: dict[str, Any] | None) -> tuple[int, float]:
+def rank(case: BenchmarkCase, own: dict[str, Any] | None) -> tuple[int, float]:
     """Return the place of a row: errors of this project beyond their bounds, shown ones, then the others by size."""
     if own is None:
         return 3, 0.0

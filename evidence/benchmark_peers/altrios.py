@@ -51,7 +51,7 @@ def version() -> str:
 
 
 @dataclass(frozen=True)
-class Train:
+class AltriosTrain:
     """A train: mass and rotating mass [kg], coefficients of its resistance [N], [N.s/m], [N.s2/m2], brake force [N] and
     the time of its rise [s], and the gradient of its path.
     """
@@ -76,14 +76,14 @@ def stop_of_axles(inputs: Mapping[str, Any]) -> dict[str, float]:
     axles = [axle_of(kind, inputs) for kind in inputs["axles"]]
     mass, rotating, force = (sum(axle[name] for axle in axles) for name in ("mass", "rotating", "force"))
     late = sum(one["force"] * (one["delay"] + one["rise"] / 2) for one in axles) / force
-    distance, _, largest = stop(Train(mass, rotating, resistance_of(inputs), force, 2 * late), inputs["speed"])
+    distance, _, largest = stop(AltriosTrain(mass, rotating, resistance_of(inputs), force, 2 * late), inputs["speed"])
     return {"distance": distance, "brake_force": largest}
 
 
 def full_brakes(inputs: Mapping[str, Any]) -> dict[str, float]:
     """Return distance [m] and time [s] of a stop without a rise of the brake force."""
     masses = inputs["mass"], inputs["rotating_mass"]
-    train = Train(*masses, resistance_of(inputs), inputs["brake_force"], 0.0, inputs["gradient"])
+    train = AltriosTrain(*masses, resistance_of(inputs), inputs["brake_force"], 0.0, inputs["gradient"])
     distance, time, _ = stop(train, inputs["speed"])
     return {"distance": distance, "time": time}
 
@@ -102,14 +102,14 @@ def train_stop(inputs: Mapping[str, Any]) -> dict[str, float]:
     mass = inputs["wagons.mass"] + locomotives * inputs["locomotive.mass"]
     rotating = ROTATING * AXLES * (cars + locomotives)
     resistance = ROLLING * mass * GRAVITY + BEARING * AXLES * cars, 0.0, AIR * DRAG * cars
-    train = Train(mass, rotating, resistance, share * mass * GRAVITY, 0.0, inputs["gradient"])
+    train = AltriosTrain(mass, rotating, resistance, share * mass * GRAVITY, 0.0, inputs["gradient"])
     return {"distance": stop(train, inputs["speed"])[0]}
 
 
 def coasting(inputs: Mapping[str, Any]) -> dict[str, float]:
     """Return distance [m] and time [s] of a train whose locomotive has no power, on a line with a high speed limit."""
     mass = inputs["mass"]
-    train = Train(mass, inputs["rotating_mass"], resistance_of(inputs), mass * GRAVITY, 0.0, inputs["gradient"])
+    train = AltriosTrain(mass, inputs["rotating_mass"], resistance_of(inputs), mass * GRAVITY, 0.0, inputs["gradient"])
     run = simulation(train, inputs["speed"], LENGTH, 2 * inputs["speed"])
     with suppress(RuntimeError):  # at rest, for want of power
         run.walk()
@@ -141,7 +141,7 @@ def axle_of(kind: str, inputs: Mapping[str, Any]) -> dict[str, float]:
     return {name: own[name] for name in ("mass", "delay", "rise")} | {"force": force, "rotating": own["rotating_mass"]}
 
 
-def stop(train: Train, speed: float) -> tuple[float, float, float]:
+def stop(train: AltriosTrain, speed: float) -> tuple[float, float, float]:
     """Return distance [m] and time [s] from the first brake force to rest, and the largest brake force [N].
 
     The train starts two steps before the place where ALTRIOS brakes, as its locomotive has no power.
@@ -164,7 +164,7 @@ def stop(train: Train, speed: float) -> tuple[float, float, float]:
     return places[-1] - places[first - 1], times[-1] - times[first - 1], max(forces)
 
 
-def simulation(train: Train, speed: float, place: float, limit: float) -> Any:
+def simulation(train: AltriosTrain, speed: float, place: float, limit: float) -> Any:
     """Return a train of equal cars on a path of one gradient, with its front at `place` [m], under a speed limit."""
     import altrios as alt
 
@@ -188,7 +188,7 @@ def simulation(train: Train, speed: float, place: float, limit: float) -> Any:
     return made
 
 
-def car_of(train: Train, limit: float) -> Any:
+def car_of(train: AltriosTrain, limit: float) -> Any:
     """Return one of the equal cars of a train."""
     import altrios as alt
 

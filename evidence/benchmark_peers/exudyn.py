@@ -34,12 +34,12 @@ def answer(question: str, inputs: Mapping[str, Any]) -> dict[str, float] | None:
     if question != "impact-of-two-vehicles":
         return None
     loading, unloading = (curve_of(name, inputs) for name in ("loading", "unloading"))
-    coupling = Coupling(loading, unloading, inputs["sticking_stiffness"])
+    coupling = CouplingForce(loading, unloading, inputs["sticking_stiffness"])
     return impact(inputs["mass_1"], inputs["mass_2"], inputs["speed"], coupling)
 
 
 @dataclass
-class Coupling:
+class CouplingForce:
     """A coupling: curves of loading and unloading [m], [N], sticking stiffness [N/m], and deflection [m] and force [N]
     at the last step.
     """
@@ -75,7 +75,7 @@ def at(curve: Curve, deflection: float) -> float:
     return float(forces[last - 1] + share * (forces[last] - forces[last - 1]))
 
 
-def impact(mass_1: float, mass_2: float, speed: float, coupling: Coupling) -> dict[str, float]:
+def impact(mass_1: float, mass_2: float, speed: float, coupling: CouplingForce) -> dict[str, float]:
     """Return largest force [N] and deflection [m], and speeds afterwards [m/s]; vehicle 2 runs into vehicle 1."""
     import exudyn
     from exudyn.utilities import CoordinateSpringDamper, MarkerNodeCoordinate, Mass1D, Node1D

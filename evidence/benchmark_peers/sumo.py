@@ -39,7 +39,7 @@ def version() -> str:
 
 
 @dataclass(frozen=True)
-class Train:
+class SumoTrain:
     """A train: mass and rotating mass [kg], coefficients of its resistance [N], [N.s/m], [N.s2/m2], deceleration by its
     brake [m/s2], 0 to coast, and the gradient of the track.
     """
@@ -63,12 +63,12 @@ def answer(question: str, inputs: Mapping[str, Any]) -> dict[str, float] | None:
     resistance = tuple(inputs[f"resistance.{name}"] for name in ("constant", "linear", "square"))
     masses = inputs["mass"], inputs["rotating_mass"]
     deceleration = inputs.get("brake_force", 0.0) / sum(masses)
-    train = Train(*masses, resistance, deceleration, inputs["gradient"])
+    train = SumoTrain(*masses, resistance, deceleration, inputs["gradient"])
     distance, time = run(train, inputs["speed"], inputs.get("end_speed", 0.0))
     return {"distance": distance, "time": time}
 
 
-def run(train: Train, speed: float, last: float) -> tuple[float, float]:
+def run(train: SumoTrain, speed: float, last: float) -> tuple[float, float]:
     """Return distance [m] and time [s] from `speed` to `last`. Raises ValueError if the train does not slow down."""
     import libsumo
 
@@ -93,7 +93,7 @@ def run(train: Train, speed: float, last: float) -> tuple[float, float]:
 
 
 @contextmanager
-def simulation(libsumo: Any, train: Train, speed: float) -> Iterator[None]:
+def simulation(libsumo: Any, train: SumoTrain, speed: float) -> Iterator[None]:
     """Start SUMO with a train on a straight track of one gradient, and end it."""
     with tempfile.TemporaryDirectory() as folder:
         net, routes = write_track(Path(folder), train.gradient), Path(folder) / "train.rou.xml"
@@ -106,7 +106,7 @@ def simulation(libsumo: Any, train: Train, speed: float) -> Iterator[None]:
             libsumo.close()
 
 
-def routes_of(train: Train, speed: float) -> list[tuple[str, dict[str, Any]]]:
+def routes_of(train: SumoTrain, speed: float) -> list[tuple[str, dict[str, Any]]]:
     """Return type, route and vehicle of a train in SUMO's units: kN, kW and kg."""
     coefficients = zip(("constant", "linear", "quadratic"), train.resistance, strict=True)
     slows = 1.0 if train.coasts else train.deceleration

@@ -6,7 +6,7 @@ import numpy as np
 
 from evidence.chapter3.euler import cross
 from evidence.chapter3.forces import BodyMotion
-from evidence.chapter3.surfaces import RailSurface, Surface
+from evidence.chapter3.surfaces import RailSurface, SurfacePoint
 
 #: Equations of one contact: three for the point (3.54), two for the orientation (3.57).
 EQUATIONS = 5
@@ -22,7 +22,7 @@ class SubJacobian:
     rail_parameters: np.ndarray
 
 
-def residual(i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface) -> np.ndarray:
+def residual(i: BodyMotion, j: BodyMotion, wheel: SurfacePoint, rail: RailSurface) -> np.ndarray:
     """C (5,): the same point (3.46), (3.47), (3.54)-(3.56) [m], and one normal (3.52), (3.53), (3.57), (3.58)."""
     out = np.empty(EQUATIONS)
     out[:3] = i.point(wheel.point) - j.point(rail.point)
@@ -30,7 +30,7 @@ def residual(i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface) ->
     return out
 
 
-def sub_jacobian(i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface) -> SubJacobian:
+def sub_jacobian(i: BodyMotion, j: BodyMotion, wheel: SurfacePoint, rail: RailSurface) -> SubJacobian:
     """Return C_q and C_s, eqs (3.61)-(3.65), as derived in Appendix I.
 
     v^T w~ is written as (v x w)^T. Differences from the thesis: (3.64), (3.65) have A^jT A^j where A^iT A^j belongs, as
@@ -63,7 +63,7 @@ def _skew_times(v: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 
 
 def quadratic_terms(
-    i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface, rates: tuple[np.ndarray, np.ndarray]
+    i: BodyMotion, j: BodyMotion, wheel: SurfacePoint, rail: RailSurface, rates: tuple[np.ndarray, np.ndarray]
 ) -> np.ndarray:
     """Return Q_d (5,): the second derivative of C without accelerations, eqs (3.69)-(3.72).
 

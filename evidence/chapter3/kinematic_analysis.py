@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from evidence.chapter3.euler import cross, g_bar, rotation_matrix
-from evidence.chapter3.mechanism import FIRST_WHEELSET, Mechanism, State
+from evidence.chapter3.mechanism import FIRST_WHEELSET, Mechanism, MechanismState
 from evidence.chapter3.partition import CLOSED, MAXIMUM_ROUNDS, NoSolutionError
 from evidence.chapter3.surfaces import OffTheProfileError, profile_derivatives
 
 
 @dataclass(frozen=True)
-class Wheelset:
+class DrivenPosition:
     """Position to which a wheelset is driven: distance, lateral [m], yaw, pitch [rad]; and its velocities [m/s, rad/s].
 
     Those of yaw and pitch are about the third and second of the axes that yaw and roll with it.
@@ -69,15 +69,17 @@ def centred(mechanism: Mechanism) -> np.ndarray:
     return near
 
 
-def rolling(mechanism: Mechanism, speed: float) -> State:
+def rolling(mechanism: Mechanism, speed: float) -> MechanismState:
     """Everything at its place over the track and moving at `speed` [m/s], the wheels rolling (section 2.3.1)."""
     pitch_rate = speed / mechanism.parameters.wheel_radius
-    wheelsets = [Wheelset(place, speed=speed, pitch_rate=pitch_rate) for place in mechanism.layout.wheelsets]
+    wheelsets = [DrivenPosition(place, speed=speed, pitch_rate=pitch_rate) for place in mechanism.layout.wheelsets]
     frames = [replace(frame, velocity=np.array([speed, 0.0, 0.0])) for frame in frames_at_rest(mechanism)]
     return drive_to(mechanism, wheelsets, frames, centred(mechanism))
 
 
-def drive_to(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequence[Frame], near: np.ndarray) -> State:
+def drive_to(
+    mechanism: Mechanism, wheelsets: Sequence[DrivenPosition], frames: Sequence[Frame], near: np.ndarray
+) -> MechanismState:
     """Return the state with these driving constraints in addition to the system's, eq. (3.79); near: first (q, s).
 
     The speed must be free.
@@ -95,7 +97,7 @@ def drive_to(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequen
                 square_of_rates(mechanism, wheelsets, jacobian, found), driven_rates(mechanism, wheelsets, frames)
             )
             turning = [1] * mechanism.wheelsets
-            return State(0.0, found[:cut], found[cut:], rates[:cut], rates[cut:], turning)
+            return MechanismState(0.0, found[:cut], found[cut:], rates[:cut], rates[cut:], turning)
         try:
             found = found - np.linalg.solve(square, error)
         except np.linalg.LinAlgError:
@@ -105,7 +107,7 @@ def drive_to(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequen
 
 
 def driving_constraints(
-    mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequence[Frame], coordinates: np.ndarray
+    mechanism: Mechanism, wheelsets: Sequence[DrivenPosition], frames: Sequence[Frame], coordinates: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return errors and Jacobian of the drives (section 3.3.3): place, lateral, yaw, pitch of wheelsets, the frame."""
     errors, rows = [], []
@@ -138,7 +140,7 @@ def driving_constraints(
 
 
 def square_of_rates(
-    mechanism: Mechanism, wheelsets: Sequence[Wheelset], jacobian: np.ndarray, coordinates: np.ndarray
+    mechanism: Mechanism, wheelsets: Sequence[DrivenPosition], jacobian: np.ndarray, coordinates: np.ndarray
 ) -> np.ndarray:
     """The constraints' Jacobian, as in (3.67), and, below it, the rows that give the driven rates."""
     rows = []
@@ -161,7 +163,7 @@ def square_of_rates(
     return np.vstack([jacobian, *rows])
 
 
-def driven_rates(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequence[Frame]) -> np.ndarray:
+def driven_rates(mechanism: Mechanism, wheelsets: Sequence[DrivenPosition], frames: Sequence[Frame]) -> np.ndarray:
     """Return the right-hand side for the rates: zeros of the constraints (3.67), then the driven rates."""
     values = [0.0] * mechanism.equations
     for wheelset in wheelsets:
@@ -171,7 +173,7 @@ def driven_rates(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Se
     return np.array(values)
 
 
-def rolling_radii(mechanism: Mechanism, state: State, wheelset: int = 0) -> tuple[float, float]:
+def rolling_radii(mechanism: Mechanism, state: MechanismState, wheelset: int = 0) -> tuple[float, float]:
     """Radii [m] at which the right and the left wheel touch: their difference is Fig. 4.8."""
     profile, radius = mechanism.pair.wheel, mechanism.parameters.wheel_radius
     positions = [float(state.s[mechanism.wheel_parameters(2 * wheelset + side)][1]) for side in (0, 1)]

@@ -12,7 +12,7 @@ from evidence.chapter3.creep import EllipseLaw, flange_force, hertz_ellipse, pol
 from evidence.chapter3.euler import cross, mass_matrix, norm_error, quadratic_velocity
 from evidence.chapter3.forces import BodyMotion, axle_box, between_frames, of_body_moment, of_force
 from evidence.chapter3.layout import bogie_layout, inertia, vehicle_layout
-from evidence.chapter3.surfaces import RailSurface, Surface, rail_surface, wheel_surface
+from evidence.chapter3.surfaces import RailSurface, SurfacePoint, rail_surface, wheel_surface
 from rbd_model.contact.geometry import Pair
 from rbd_model.vehicle.parameters import AS_PRINTED, BogieParameters, VehicleParameters
 
@@ -34,7 +34,7 @@ def perfect_track(distance: float) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Inputs:
+class MechanismInputs:
     """Inputs of the system, one value for each wheelset; a brake torque is a capacity [N.m]."""
 
     brake_torque: Sequence[float] = (0.0, 0.0)
@@ -45,7 +45,7 @@ class Inputs:
 
 
 @dataclass
-class State:
+class MechanismState:
     """All coordinates and rates: q, s and their first derivatives, at a time [s].
 
     direction: of each wheelset's brake, 1 or -1 while it turns and 0 while it is locked.
@@ -60,7 +60,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Answer:
+class Solution:
     """Solution of (3.75): accelerations, normal forces [N] of the contacts, torque [N.m] of locked brakes (else 0)."""
 
     q_second: np.ndarray
@@ -70,13 +70,13 @@ class Answer:
 
 
 @dataclass(frozen=True)
-class Touch:
+class ContactMotion:
     """One contact: the bodies' motions and surfaces at it."""
 
     number: int
     wheel_body: BodyMotion
     rail_body: BodyMotion
-    wheel: Surface
+    wheel: SurfacePoint
     rail: RailSurface
     radius: np.ndarray  # r and its derivatives by the position on the profile
 
@@ -164,7 +164,7 @@ class Mechanism:
         """Motions of all bodies from their coordinates and rates, shapes (q_count,)."""
         return [BodyMotion.of(q[self.body(n)], q_rate[self.body(n)]) for n in range(self.bodies)]
 
-    def touches(self, motions: Sequence[BodyMotion], s: np.ndarray) -> list[Touch]:
+    def touches(self, motions: Sequence[BodyMotion], s: np.ndarray) -> list[ContactMotion]:
         """All contacts: right and left rail with the wheels of each wheelset."""
         made = []
         half, rail_half = self.pair.wheel_half_distance, self.pair.rail_half_distance
@@ -178,7 +178,7 @@ class Mechanism:
                 )
                 parameters, shift = s[self.rail_parameters(number)], self.shift_of(side, distance)
                 rail = rail_surface(self.pair.rail, rail_half, side, parameters, shift)
-                made.append(Touch(number, wheel_body, motions[rail_number], wheel, rail, radius))
+                made.append(ContactMotion(number, wheel_body, motions[rail_number], wheel, rail, radius))
         return made
 
     # -- constraints ---------------------------------------------------------------------------------------------
@@ -226,7 +226,9 @@ class Mechanism:
             out[-1] = -self.speed
         return out
 
-    def quadratic(self, motions: Sequence[BodyMotion], touches: Sequence[Touch], s_rate: np.ndarray) -> np.ndarray:
+    def quadratic(
+        self, motions: Sequence[BodyMotion], touches: Sequence[ContactMotion], s_rate: np.ndarray
+    ) -> np.ndarray:
         """Q_d, shape (equations,), eq. (3.72)."""
         out = np.zeros(self.equations)
         out[: self.bodies] = [-2.0 * float(body.theta_rate @ body.theta_rate) for body in motions]
@@ -244,7 +246,7 @@ class Mechanism:
 
     # -- forces --------------------------------------------------------------------------------------------------
 
-    def applied(self, state: State, inputs: Inputs, motions: Sequence[BodyMotion]) -> np.ndarray:
+    def applied(self, state: MechanismState, inputs: MechanismInputs, motions: Sequence[BodyMotion]) -> np.ndarray:
         """Q_e + Q_v of (3.73), (3.76) without creep forces, shape (q_count,)."""
         p = self.parameters
         q = np.zeros(self.q_count)
@@ -285,7 +287,7 @@ class Mechanism:
             q[self.body(number)] += pull
             q[self.body(above)] += reaction
 
-    def torques(self, number: int, state: State, inputs: Inputs, body: BodyMotion) -> np.ndarray:
+    def torques(self, number: int, state: MechanismState, inputs: MechanismInputs, body: BodyMotion) -> np.ndarray:
         """Return brake, traction, rolling resistance and yaw torque on a wheelset, eq. (3.36).
 
         This differs from the thesis. The yaw torque of chapter 9 acts about the axis at right angles to the axle, in
@@ -305,7 +307,7 @@ class Mechanism:
             moment += yaw * up / math.hypot(up[0], up[2])
         return of_body_moment(body, moment)
 
-    def creepages(self, touch: Touch) -> tuple[float, float, float, np.ndarray, np.ndarray]:
+    def creepages(self, touch: ContactMotion) -> tuple[float, float, float, np.ndarray, np.ndarray]:
         """Return longitudinal, lateral and spin creepage, and the directions of the first two, in inertial axes.
 
         This differs from the thesis: they are divided by sqrt(V^2 + v_eps^2), because V is 0 at rest.
@@ -324,7 +326,7 @@ class Mechanism:
             sideways,
         )
 
-    def curvatures(self, touch: Touch) -> tuple[float, float]:
+    def curvatures(self, touch: ContactMotion) -> tuple[float, float]:
         """A and B of (3.83) [1/m]; a rail that is a prism has no curvature along the track."""
         r = touch.radius
         slope = math.hypot(1.0, r[1])
@@ -332,7 +334,7 @@ class Mechanism:
 
     # -- the augmented equations ---------------------------------------------------------------------------------
 
-    def solve(self, state: State, inputs: Inputs, jacobian: np.ndarray) -> Answer:
+    def solve(self, state: MechanismState, inputs: MechanismInputs, jacobian: np.ndarray) -> Solution:
         """Return accelerations and multipliers from (3.75); jacobian: (C_q C_s) at the state.
 
         The creep forces depend on the normal forces, which are multipliers (3.81): both are iterated to round-off. The
@@ -380,8 +382,13 @@ class Mechanism:
         return matrix
 
     def _balance(
-        self, touches: Sequence[Touch], creep: Sequence[tuple], inputs: Inputs, solution: np.ndarray, locked: list[int]
-    ) -> Answer:
+        self,
+        touches: Sequence[ContactMotion],
+        creep: Sequence[tuple],
+        inputs: MechanismInputs,
+        solution: np.ndarray,
+        locked: list[int],
+    ) -> Solution:
         """Return the creep forces that match the normal forces; solution: of the loads, and of unit creep forces."""
         first = self.unknowns + self.bodies
         # The multipliers of a contact's point are the force of the wheel on the rail, eq. (3.81).
@@ -406,4 +413,4 @@ class Mechanism:
         found = solution @ np.array(forces)
         torques = np.zeros(self.wheelsets)
         torques[locked] = -found[self.unknowns + self.equations :]
-        return Answer(found[: self.q_count], found[self.q_count : self.unknowns], load, torques)
+        return Solution(found[: self.q_count], found[self.q_count : self.unknowns], load, torques)

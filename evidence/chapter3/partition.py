@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
-from evidence.chapter3.mechanism import Mechanism, State
+from evidence.chapter3.mechanism import Mechanism, MechanismState
 from evidence.chapter3.surfaces import OffTheProfileError
 
 #: Norm of C at which the Newton-Raphson iteration ends, epsilon_2 of (3.124), and its largest number of rounds.
@@ -88,7 +88,7 @@ def close_velocities(mechanism: Mechanism, rates: np.ndarray, jacobian: np.ndarr
     return closed
 
 
-def closed_state(mechanism: Mechanism, near: State, partition: Partition) -> tuple[State, np.ndarray]:
+def closed_state(mechanism: Mechanism, near: MechanismState, partition: Partition) -> tuple[MechanismState, np.ndarray]:
     """Return the state with all constraints met and the independent coordinates and rates of `near`, section 3.4.
 
     The second result is the Jacobian, shape (equations, unknowns). Raises NoSolutionError.
@@ -96,5 +96,7 @@ def closed_state(mechanism: Mechanism, near: State, partition: Partition) -> tup
     cut = mechanism.q_count
     coordinates, jacobian = close_positions(mechanism, near.time, np.concatenate([near.q, near.s]), partition)
     rates = close_velocities(mechanism, np.concatenate([near.q_rate, near.s_rate]), jacobian, partition)
-    state = State(near.time, coordinates[:cut], coordinates[cut:], rates[:cut], rates[cut:], list(near.direction))
+    state = MechanismState(
+        near.time, coordinates[:cut], coordinates[cut:], rates[:cut], rates[cut:], list(near.direction)
+    )
     return state, jacobian

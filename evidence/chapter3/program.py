@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from evidence.chapter3.euler import angular_velocity
-from evidence.chapter3.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
+from evidence.chapter3.mechanism import FIRST_WHEELSET, Mechanism, MechanismInputs, MechanismState, Solution
 from evidence.chapter3.partition import Partition, choose, closed_state
 
 #: Stages of the classical Runge-Kutta method: place in the step and weight.
@@ -13,16 +13,20 @@ STAGES = ((0.0, 1 / 6), (0.5, 1 / 3), (0.5, 1 / 3), (1.0, 1 / 6))
 #: Angular velocity below which a braked wheelset is treated as stopped [rad/s]; iterations that locate this instant.
 STOPPED, LOCATING_ROUNDS = 1e-6, 30
 
-Drive = Callable[[float], Inputs]
+Drive = Callable[[float], MechanismInputs]
 
 
-def accelerations(mechanism: Mechanism, state: State, inputs: Inputs, partition: Partition) -> tuple[State, Answer]:
+def accelerations(
+    mechanism: Mechanism, state: MechanismState, inputs: MechanismInputs, partition: Partition
+) -> tuple[MechanismState, Solution]:
     """Return all accelerations from independent coordinates, eq. (3.118): one turn of the flow chart."""
     closed, jacobian = closed_state(mechanism, state, partition)
     return closed, mechanism.solve(closed, inputs, jacobian)
 
 
-def step(mechanism: Mechanism, state: State, size: float, drive: Drive, partition: Partition | None = None) -> State:
+def step(
+    mechanism: Mechanism, state: MechanismState, size: float, drive: Drive, partition: Partition | None = None
+) -> MechanismState:
     """Return the state after one step [s] of Runge-Kutta in the independent coordinates, eqs (3.117), (3.118).
 
     partition: by default chosen at the start of the step.
@@ -40,10 +44,10 @@ def step(mechanism: Mechanism, state: State, size: float, drive: Drive, partitio
     return closed_state(mechanism, moved(state, size, position, rate), partition)[0]
 
 
-def moved(state: State, size: float, rates: np.ndarray, accelerations: np.ndarray) -> State:
+def moved(state: MechanismState, size: float, rates: np.ndarray, accelerations: np.ndarray) -> MechanismState:
     """The state `size` seconds later by the rates and accelerations (3.118) of (q, s), before constraints are met."""
     cut = state.q.size
-    return State(
+    return MechanismState(
         state.time + size,
         state.q + size * rates[:cut],
         state.s + size * rates[cut:],
@@ -53,7 +57,9 @@ def moved(state: State, size: float, rates: np.ndarray, accelerations: np.ndarra
     )
 
 
-def run(mechanism: Mechanism, state: State, duration: float, size: float, drive: Drive) -> Iterator[State]:
+def run(
+    mechanism: Mechanism, state: MechanismState, duration: float, size: float, drive: Drive
+) -> Iterator[MechanismState]:
     """Yield the state after each step of the loop of Fig. 3.11; brakes that stop their wheels cut a step in two."""
     count = round(duration / size)
     begin = state.time
@@ -65,13 +71,13 @@ def run(mechanism: Mechanism, state: State, duration: float, size: float, drive:
         yield state
 
 
-def spin(mechanism: Mechanism, state: State, wheelset: int) -> float:
+def spin(mechanism: Mechanism, state: MechanismState, wheelset: int) -> float:
     """Angular velocity of a wheelset about its axle [rad/s], by (3.13)."""
     body = mechanism.body(FIRST_WHEELSET + wheelset)
     return float(angular_velocity(state.q[body][3:], state.q_rate[body][3:])[1])
 
 
-def until_a_wheel_stops(mechanism: Mechanism, state: State, size: float, drive: Drive) -> State:
+def until_a_wheel_stops(mechanism: Mechanism, state: MechanismState, size: float, drive: Drive) -> MechanismState:
     """A step [s], shortened by the secant rule to the instant at which a braked wheelset locks (section 2.5.2)."""
     after = step(mechanism, state, size, drive)
     for number in range(mechanism.wheelsets):
@@ -90,7 +96,7 @@ def until_a_wheel_stops(mechanism: Mechanism, state: State, size: float, drive: 
     return after
 
 
-def switch_brakes(mechanism: Mechanism, state: State, inputs: Inputs) -> None:
+def switch_brakes(mechanism: Mechanism, state: MechanismState, inputs: MechanismInputs) -> None:
     """Locks wheelsets that stand (section 2.5.2), frees those whose brake cannot hold them; changes state.direction."""
     for number in range(mechanism.wheelsets):
         capacity = inputs.brake_torque[number] + mechanism.parameters.rolling_resistance_torque

@@ -38,7 +38,7 @@ def profile_derivatives(profile: Profile, y: float) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Surface:
+class SurfacePoint:
     """A point of a surface in body axes and its derivatives by the two surface parameters, eqs (3.48)-(3.51).
 
     point (3,); tangents (3, 2), columns t_1 and t_2; second (3, 2, 2) and third (3, 2, 2, 2): derivatives of `point`.
@@ -87,7 +87,7 @@ class RailSurface:
 
 def wheel_surface(
     profile: Profile, radius: float, half_distance: float, side: int, s: np.ndarray
-) -> tuple[Surface, np.ndarray]:
+) -> tuple[SurfacePoint, np.ndarray]:
     """Return the surface of revolution, eq. (3.77), at s = (angle [rad], profile position [m]); and r, r', r'', r'''.
 
     side: 1 left, -1 right. The second parameter increases towards the field side, so that both wheels share one
@@ -112,7 +112,7 @@ def wheel_surface(
     third[:, 0, 0, 1] = third[:, 0, 1, 0] = third[:, 1, 0, 0] = -r[1] * outwards
     third[:, 0, 1, 1] = third[:, 1, 0, 1] = third[:, 1, 1, 0] = r[2] * along
     third[:, 1, 1, 1] = r[3] * outwards
-    return Surface(point, tangents, second, third), r
+    return SurfacePoint(point, tangents, second, third), r
 
 
 def rail_surface(

@@ -33,7 +33,7 @@ from evidence.peers.work_precision import (
     OMITTED,
     PEERS,
     MethodPoint,
-    Study,
+    WorkPrecision,
     oracle_point,
     study,
     table_of,
@@ -76,7 +76,9 @@ STYLE = {
 }
 
 
-def all_studies(short: bool = False, scenes: tuple[Scene, ...] = (*SCENES, ON_PATCHES, ON_STRIPS)) -> list[Study]:
+def all_studies(
+    short: bool = False, scenes: tuple[Scene, ...] = (*SCENES, ON_PATCHES, ON_STRIPS)
+) -> list[WorkPrecision]:
     """Return the studies of all cases, with a bar; `short`: one setting of each method."""
     total = sum(len(list(works(scene, short))) for scene in scenes)
     with counting(total=total, text="runs", unit="run") as bar:
@@ -91,7 +93,7 @@ def all_studies(short: bool = False, scenes: tuple[Scene, ...] = (*SCENES, ON_PA
     return found
 
 
-def scene_rows(one: Study) -> list[Row]:
+def scene_rows(one: WorkPrecision) -> list[Row]:
     """Return the default's error at its own tolerance, with a limit; and the fastest method at the needed error, with
     its lead.
     """
@@ -200,7 +202,7 @@ def host_rows(steps: Sequence[float]) -> list[Row]:
     return rows
 
 
-def failures(studies: list[Study]) -> list[str]:
+def failures(studies: list[WorkPrecision]) -> list[str]:
     """Return one message for each failure."""
     return [
         f"{one.scene.name}, {point.method} at {point.setting:g}: {point.reason.rstrip('.')}."
@@ -236,7 +238,7 @@ def run(options: Options, quick: bool = False) -> Report:
 # ---- the figure --------------------------------------------------------------------------------------------------
 
 
-def draw(studies: list[Study], against: str) -> Figure:
+def draw(studies: list[WorkPrecision], against: str) -> Figure:
     lines = -(-len(studies) // 2)
     figure, grid = plt.subplots(lines, 2, figsize=(11.0, 1.3 + 3.9 * lines), sharey=True, squeeze=False)
     handles: dict[str, Artist] = {}
@@ -254,7 +256,7 @@ def draw(studies: list[Study], against: str) -> Figure:
     return titled(figure, message(studies, against))
 
 
-def message(studies: list[Study], against: str) -> str:
+def message(studies: list[WorkPrecision], against: str) -> str:
     """Return the title: the cost of the fastest peers over that of the default at the needed error, over all cases."""
     fastest = ((one.fastest([DEFAULT], WANTED), one.fastest(PEERS, WANTED)) for one in studies)
     times = [getattr(peer, against) / getattr(own, against) for own, peer in fastest if own and peer]
@@ -268,7 +270,7 @@ def message(studies: list[Study], against: str) -> str:
 FAILED, LEAST = 3.0, 1e-11
 
 
-def draw_scene(axis: Axes, one: Study, against: str, handles: dict[str, Artist]) -> None:
+def draw_scene(axis: Axes, one: WorkPrecision, against: str, handles: dict[str, Artist]) -> None:
     axis.set_title(f"{one.scene.name}:\n{one.scene.stress}")
     axis.axhspan(LEAST, max(one.uncertainty, LEAST), color="#dddddd", zorder=0)
     axis.axhline(WANTED, color="#999999", linewidth=0.8)

@@ -74,7 +74,7 @@ def message(found: EnsembleStudy) -> str:
 
 
 def run(options: Options, quick: bool = False) -> Report:
-    extent = ensembles.QUICK if quick else ensembles.Extent()
+    extent = ensembles.QUICK if quick else ensembles.StudyExtent()
     found = ensembles.study(extent)
     rows = [row for level in ensembles.LEVELS for row in level_rows(found, level)]
     remarks = [

@@ -183,7 +183,7 @@ def errors_about_default(depth: int, tolerances: Sequence[float]) -> AboutDefaul
 
 
 @dataclass(frozen=True)
-class Steps:
+class StepStatistics:
     """At the default tolerance: lateral shift [m] and mean step [s] in windows of time; the fastest vibration's period.
 
     period [s]: of the oscillating mode with the largest frequency while the flange bears, from the exact Jacobian.
@@ -194,7 +194,7 @@ class Steps:
     period: float
 
 
-def steps_over_shift(depth: int) -> Steps:
+def steps_over_shift(depth: int) -> StepStatistics:
     """Return the steps through the transition; a step ends where a window does."""
     place, form = scene(depth), layout("bogie", level=3, contact_model=depth)
     kernel, rows = place.kernel(), []
@@ -206,7 +206,7 @@ def steps_over_shift(depth: int) -> Steps:
     state = np.array(kernel.linearise().state)[form.differential]
     modes = np.linalg.eigvals(np.array(kernel.jacobian_at(kernel.time, state.tolist())))
     shifts, steps = np.array(rows).T
-    return Steps(shifts, steps, 2 * np.pi / float(np.abs(modes.imag).max()))
+    return StepStatistics(shifts, steps, 2 * np.pi / float(np.abs(modes.imag).max()))
 
 
 def missing_energy(depth: int) -> float:
@@ -257,7 +257,7 @@ class ModelComparison:
     exact_peaks: Mapping[int, dict[str, float]]
     accuracies: Mapping[int, Mapping[float, Accuracy]]
     about_default: Mapping[int, AboutDefault]
-    steps: Mapping[int, Steps]
+    steps: Mapping[int, StepStatistics]
     costs: Mapping[int, float]
     missing: Mapping[int, float]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evidence.chapter3.kinematic_analysis import rolling
-from evidence.chapter3.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
+from evidence.chapter3.mechanism import FIRST_WHEELSET, Mechanism, MechanismInputs, MechanismState
 from evidence.chapter3.program import STAGES, moved
 from evidence.chapter3.program import step as partitioned_step
 from rbd_model.contact.geometry import thesis_pair
@@ -25,7 +25,7 @@ class Drift:
     norm: np.ndarray
 
 
-def free_step(mechanism: Mechanism, state: State, size: float, inputs: Inputs) -> State:
+def free_step(mechanism: Mechanism, state: MechanismState, size: float, inputs: MechanismInputs) -> MechanismState:
     """Take a Runge-Kutta step of all coordinates: accelerations meet the constraints, positions may drift."""
     first, second, position, rate = np.zeros((4, mechanism.unknowns))
     for place, weight in STAGES:
@@ -41,7 +41,7 @@ def free_step(mechanism: Mechanism, state: State, size: float, inputs: Inputs) -
 def drift(partitioned: bool, duration: float = DURATION) -> Drift:
     """Run a braked wheelset with or without the partitioning that closes the constraints in each step."""
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, derivatives_along(section_5_3()))
-    inputs, state, rows = Inputs(brake_torque=(TORQUE, 0.0)), rolling(mechanism, SPEED), []
+    inputs, state, rows = MechanismInputs(brake_torque=(TORQUE, 0.0)), rolling(mechanism, SPEED), []
     for _ in range(round(duration / STEP)):
         if partitioned:
             state = partitioned_step(mechanism, state, STEP, lambda time: inputs)

@@ -63,7 +63,7 @@ def finish(scene: Scene, rows: np.ndarray, seconds: float, work: Mapping[str, in
 
 
 @dataclass(frozen=True)
-class Layout:
+class StateLayout:
     """Places of states: all names; which have a derivative; nominal values of all."""
 
     names: list[str]
@@ -76,16 +76,16 @@ class Layout:
 
 
 @lru_cache
-def layout(fmu: str, **values: float) -> Layout:
+def layout(fmu: str, **values: float) -> StateLayout:
     """Return the layout of a kernel's equations with these parameters."""
     states = system_of(fmu, **values).states.values()
-    return Layout(
+    return StateLayout(
         [state.name for state in states],
         np.array([not state.algebraic for state in states]),
         np.array([state.nominal for state in states]),
     )
 
 
-def layout_of(scene: Scene) -> Layout:
+def layout_of(scene: Scene) -> StateLayout:
     """Return the layout of a case's equations."""
     return layout(scene.fmu, **scene.parameters)

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.measuring.runs import Layout, layout
+from evidence.measuring.runs import StateLayout, layout
 from fmu_src.kernel import Kernel
 from products.kernel_runs import RIGID, prepare
 
@@ -27,7 +27,7 @@ DRAG = 2e3
 
 
 @dataclass(frozen=True)
-class Machine:
+class DrivenVehicle:
     """A driven vehicle: an FMU's kernel with its parameters, and the wheelsets that drag."""
 
     name: str
@@ -43,19 +43,19 @@ class Machine:
         return torques | {"drawbar_force": self.wheelsets * DRAG / radius}
 
     @property
-    def form(self) -> Layout:
+    def form(self) -> StateLayout:
         """Return the places of its states."""
         return layout(self.fmu, **dict(self.values))
 
 
-SPATIAL = Machine("bogie, spatial", "bogie", tuple(RIGID.items()))
-PLANAR = Machine("bogie, planar", "bogie", (("level", 2.0),))
-WHEELSET = Machine("one wheelset in a frame", "wheelset", (), 1)
+SPATIAL = DrivenVehicle("bogie, spatial", "bogie", tuple(RIGID.items()))
+PLANAR = DrivenVehicle("bogie, planar", "bogie", (("level", 2.0),))
+WHEELSET = DrivenVehicle("one wheelset in a frame", "wheelset", (), 1)
 #: Vehicles whose fastest mode is creep at every speed, so that it decays without oscillating.
 MACHINES = (SPATIAL, PLANAR, WHEELSET)
 #: With contact models 2 and 3 the wheelsets bounce on their contacts, which limits explicit steps where creep is slow.
 PATCHES, STRIPS = (
-    Machine(f"bogie, {word}", "bogie", (("level", 3.0), ("contact_model", depth)))
+    DrivenVehicle(f"bogie, {word}", "bogie", (("level", 3.0), ("contact_model", depth)))
     for word, depth in (("patches", 2.0), ("strips", 3.0))
 )
 
@@ -95,13 +95,15 @@ def largest_stable_step(eigenvalues: np.ndarray, amplification=amplification_of_
 STILL = 0.5
 
 
-def start_of(machine: Machine, inputs: tuple[tuple[str, float], ...]) -> dict[str, float]:
+def start_of(machine: DrivenVehicle, inputs: tuple[tuple[str, float], ...]) -> dict[str, float]:
     """Return parameters and initial inputs; `inputs` precede the vehicle's own."""
     return dict(machine.values) | machine.drag | dict(inputs)
 
 
 @lru_cache(maxsize=256)
-def steady(machine: Machine, speed: float, inputs: tuple[tuple[str, float], ...] = ()) -> tuple[np.ndarray, np.ndarray]:
+def steady(
+    machine: DrivenVehicle, speed: float, inputs: tuple[tuple[str, float], ...] = ()
+) -> tuple[np.ndarray, np.ndarray]:
     """Return a steady run at a speed [m/s].
 
     Takes speed [m/s].
@@ -113,7 +115,9 @@ def steady(machine: Machine, speed: float, inputs: tuple[tuple[str, float], ...]
     return place, np.array(kernel.jacobian_at(kernel.time, place.tolist()))
 
 
-def limit(machine: Machine, speed: float, method: str = "RK4", inputs: tuple[tuple[str, float], ...] = ()) -> float:
+def limit(
+    machine: DrivenVehicle, speed: float, method: str = "RK4", inputs: tuple[tuple[str, float], ...] = ()
+) -> float:
     """Return the predicted largest stable step of an explicit method [s].
 
     Takes speed [m/s].
@@ -122,7 +126,7 @@ def limit(machine: Machine, speed: float, method: str = "RK4", inputs: tuple[tup
 
 
 @dataclass(frozen=True)
-class Growth:
+class PerturbationGrowth:
     """Growth of a perturbation in each step: the measured one, and the warning in the log."""
 
     factor: float
@@ -134,8 +138,8 @@ class Growth:
 
 
 def growth_of_perturbation(
-    machine: Machine, speed: float, step: float, method: int, inputs: tuple[tuple[str, float], ...] = ()
-) -> Growth:
+    machine: DrivenVehicle, speed: float, step: float, method: int, inputs: tuple[tuple[str, float], ...] = ()
+) -> PerturbationGrowth:
     """Return the mean growth of a perturbation in each step, until it is lost in noise.
 
     Two runs with fixed steps begin in a steady state and next to it, along the fastest mode.
@@ -153,7 +157,7 @@ def growth_of_perturbation(
         states = [np.array(kernel.linearise().state)[form.differential][turning] for kernel in kernels]
         sizes.append(float(np.abs(states[1] - states[0]).max()))
     messages = tuple(line for kernel in kernels for line in kernel.messages)
-    return Growth((sizes[-1] / sizes[0]) ** (1 / (len(sizes) - 1)), messages)
+    return PerturbationGrowth((sizes[-1] / sizes[0]) ** (1 / (len(sizes) - 1)), messages)
 
 
 def fastest_mode(jacobian: np.ndarray) -> np.ndarray:
@@ -164,7 +168,7 @@ def fastest_mode(jacobian: np.ndarray) -> np.ndarray:
 
 
 def fixed_kernel(
-    machine: Machine,
+    machine: DrivenVehicle,
     place: np.ndarray,
     speed: float,
     step: float,
@@ -180,7 +184,7 @@ def fixed_kernel(
 
 
 def boundary(
-    machine: Machine, speed: float, method: int = RUNGE_KUTTA, inputs: tuple[tuple[str, float], ...] = ()
+    machine: DrivenVehicle, speed: float, method: int = RUNGE_KUTTA, inputs: tuple[tuple[str, float], ...] = ()
 ) -> float:
     """Return the largest stable step by bisection on the growth of a perturbation, to 0.2 % [s].
 

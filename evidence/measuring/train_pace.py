@@ -21,7 +21,7 @@ TARGETS = {"whole, two cells": ">= 300, published 0.15", "empirical, half a cell
 
 
 @dataclass(frozen=True)
-class Extent:
+class TrainExtent:
     """Numbers of vehicles for pace, communication step and growth with length; time of an emergency [s]."""
 
     vehicles: int = 150
@@ -32,7 +32,7 @@ class Extent:
     repeats: int = REPEATS
 
 
-QUICK = Extent(20, 10, 10, 40, 5.0, 1)
+QUICK = TrainExtent(20, 10, 10, 40, 5.0, 1)
 
 
 def braking(vehicles: int, settings: Settings) -> Train:
@@ -54,7 +54,7 @@ def _emergency(vehicles: int, watched: float, settings: Settings) -> float:
     return min(once() for _ in range(5))
 
 
-def _host_step(extent: Extent) -> float:
+def _host_step(extent: TrainExtent) -> float:
     train = braking(extent.hosted, Settings())
     train.advance(1.0)
     kept = train.state
@@ -67,7 +67,7 @@ def _host_step(extent: Extent) -> float:
     return least(steps, extent.repeats) / HOST_STEPS
 
 
-def train_rows(extent: Extent) -> list[Row]:
+def train_rows(extent: TrainExtent) -> list[Row]:
     """Return rows of the scenario `speed`."""
     rows, source = [], "measured now, one core, least of several runs"
     few, many, watched = extent.few, extent.many, extent.watched

@@ -12,7 +12,7 @@ from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, at_most, measured, near
 from bogie_braking.reporting.scenario import Options, Scenario
 from evidence.chapter3.kinematic_analysis import rolling
-from evidence.chapter3.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
+from evidence.chapter3.mechanism import FIRST_WHEELSET, Mechanism, MechanismInputs, MechanismState
 from evidence.chapter3.program import run as run_program
 from evidence.chapter3.program import spin
 from fmu_src.cosimulation.recording import Recording
@@ -98,9 +98,9 @@ def by_chapter_3(scene: ComparedRun) -> Recording:
     parameters = as_printed(tables_4_1_and_4_2() if scene.wheelsets == 1 else tables_5_1_and_5_2())
     track = derivatives_along(replace(section_5_3(), **dict(scene.track)))
     mechanism = Mechanism(parameters, thesis_pair(), scene.wheelsets, track)
-    inputs = Inputs(brake_torque=scene.brake_torque)
+    inputs = MechanismInputs(brake_torque=scene.brake_torque)
 
-    def row(state: State) -> list[float]:
+    def row(state: MechanismState) -> list[float]:
         bodies = [mechanism.body(FIRST_WHEELSET + n) for n in range(scene.wheelsets)]
         leading = state.q[bodies[0]]
         speed = float(np.mean([state.q_rate[body][0] for body in bodies]))

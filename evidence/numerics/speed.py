@@ -57,7 +57,7 @@ QUICK = Extent(1000, 500, 1)
 
 
 @dataclass(frozen=True)
-class Timing:
+class CallTiming:
     """Times of one call [us], the least of several runs."""
 
     what: str
@@ -72,7 +72,7 @@ def start_of(level: int) -> dict[str, float]:
 
 def kernel_timings(
     library: Library, level: int, extent: Extent, torques: Mapping[str, float] = BOGIE_TORQUES
-) -> list[Timing]:
+) -> list[CallTiming]:
     name, calls = LEVELS[level], extent.calls
     kernel = Kernel(library, **start_of(level), **torques)
     kernel.advance(1.0)
@@ -85,9 +85,9 @@ def kernel_timings(
     right_hand_side = least(lambda: kernel.repeat_right_hand_side(calls), extent.repeats) / calls
     jacobian = least(lambda: kernel.repeat_jacobian(calls), extent.repeats) / calls
     return [
-        Timing("right-hand side", name, "C", 1e6 * right_hand_side),
-        Timing("Jacobian", name, "C", 1e6 * jacobian),
-        Timing("doStep of 1 ms", name, "C", 1e6 * least(steps, extent.repeats) / extent.host_steps),
+        CallTiming("right-hand side", name, "C", 1e6 * right_hand_side),
+        CallTiming("Jacobian", name, "C", 1e6 * jacobian),
+        CallTiming("doStep of 1 ms", name, "C", 1e6 * least(steps, extent.repeats) / extent.host_steps),
     ]
 
 
@@ -130,7 +130,7 @@ def stop_time(library: Library, values: Mapping[str, float]) -> float:
     return time.perf_counter() - begin
 
 
-def fmu_timings(kind: str, level: int, extent: Extent) -> list[Timing]:
+def fmu_timings(kind: str, level: int, extent: Extent) -> list[CallTiming]:
     torques = {"brake_torque_1": TORQUE, "brake_torque_2": TORQUE}
     with FmuInstance(up_to_date("bogie", kind), **start_of(level)) as bogie:
         bogie.start(**torques)
@@ -149,10 +149,10 @@ def fmu_timings(kind: str, level: int, extent: Extent) -> list[Timing]:
         host = 1e6 * measure(HOST_STEP, extent.host_steps) / extent.host_steps
         stop = 1e6 * measure(STOP_SECONDS, 1)
     name = LEVELS[level]
-    return [Timing("doStep of 1 ms", name, kind, host), Timing("22.9 s stop in one doStep", name, kind, stop)]
+    return [CallTiming("doStep of 1 ms", name, kind, host), CallTiming("22.9 s stop in one doStep", name, kind, stop)]
 
 
-def rows_of_steps(timings: list[Timing]) -> list[Row]:
+def rows_of_steps(timings: list[CallTiming]) -> list[Row]:
     """Return the times of steps, the speed of stops against real time, and the cost of Python."""
     rows = []
     for t in timings:
@@ -182,7 +182,7 @@ def run(options: Options, quick: bool = False) -> Report:
     rows += vehicle_rows(extent)
     rows += throughput.batch_rows(quick) + throughput.control_rows(quick)
     rows += protected_rows(quick) + environment_rows(quick)
-    rows += train_rows(train_pace.QUICK if quick else train_pace.Extent()) + supervision_rows(quick)
+    rows += train_rows(train_pace.QUICK if quick else train_pace.TrainExtent()) + supervision_rows(quick)
     rows += beginning_rows(extent.repeats)
     rows += fmi_overhead.rows(library)
     begin = time.perf_counter()
@@ -209,7 +209,7 @@ def stop_of(library: Library, level: int) -> dict[str, list[float]]:
     return kernel.record(STOP_SECONDS, 0.1, ["speed"])
 
 
-def draw(timings: list[Timing]) -> Figure:
+def draw(timings: list[CallTiming]) -> Figure:
     figure, axis = plt.subplots(figsize=(8.0, 4.6))
     labels = [f"{t.what}, {t.kind if t.kind == 'C' else t.kind + ' FMU'}, {t.level}" for t in timings]
     colours = [dict(zip(LEVELS.values(), (LEADING, TRAILING, BOGIE), strict=True))[t.level] for t in timings]

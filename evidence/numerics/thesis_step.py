@@ -17,7 +17,7 @@ from bogie_braking.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt,
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, Row, measured
 from bogie_braking.reporting.scenario import Options, Scenario
-from evidence.measuring.stability import RUNGE_KUTTA, Machine, limit
+from evidence.measuring.stability import RUNGE_KUTTA, DrivenVehicle, limit
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from products.kernel_runs import PADDING, RIGID, in_space, library
@@ -95,7 +95,7 @@ class PrintedRun:
     def limit(self) -> float:
         """Return the largest stable step of the explicit method at the initial speed [s]."""
         wheelsets, values = 2 if self.fmu == "bogie" else 1, in_space(self.fmu) | thesis_reading()
-        return limit(Machine(self.fmu, self.fmu, tuple(values.items()), wheelsets), self.speed)
+        return limit(DrivenVehicle(self.fmu, self.fmu, tuple(values.items()), wheelsets), self.speed)
 
 
 # ---- what is measured --------------------------------------------------------------------------------------------

@@ -39,7 +39,7 @@ PEERS = (IN_THREADS, *IN_PROCESSES)
 
 
 @dataclass(frozen=True)
-class Extent:
+class StudyExtent:
     """Settings and numbers of stops of a study.
 
     tolerances: of this project's methods and of CVODE. fixed_steps: of this project's methods [s]. coarse: tolerances
@@ -65,7 +65,7 @@ class Extent:
         return np.linspace(*TORQUES, self.judged)
 
 
-QUICK = Extent((1e-6,), (1e-2,), (1e-5,), judged=2, planar=32, spatial=16, rounds=1, of_a_thread=1, of_a_process=1)
+QUICK = StudyExtent((1e-6,), (1e-2,), (1e-5,), judged=2, planar=32, spatial=16, rounds=1, of_a_thread=1, of_a_process=1)
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def alone(level: str, torques: np.ndarray, **values: float) -> Distances:
     return run
 
 
-def together(level: str, extent: Extent, **values: float) -> tuple[Distances, np.ndarray]:
+def together(level: str, extent: StudyExtent, **values: float) -> tuple[Distances, np.ndarray]:
     """Run stops in a batch on all processors; return also the indices of the evaluated ones."""
     chosen, system = LEVELS[level]
     count = getattr(extent, level)
@@ -193,7 +193,7 @@ def warm_up(_: int) -> None:
 # ---- the study -------------------------------------------------------------------------------------------------------
 
 
-def settings(extent: Extent) -> Iterator[tuple[str, float, dict[str, float]]]:
+def settings(extent: StudyExtent) -> Iterator[tuple[str, float, dict[str, float]]]:
     """Yield our settings: suffix of the method's name, the setting, and the values of the kernel."""
     yield from (("", value, {"tolerance": value}) for value in extent.tolerances)
     for step in extent.fixed_steps:
@@ -205,7 +205,7 @@ def error_of(found: np.ndarray, exact: np.ndarray) -> float:
     return float(np.abs(found / exact - 1.0).max())
 
 
-def ours(level: str, exact: np.ndarray, extent: Extent) -> Iterator[tuple[Rate, float]]:
+def ours(level: str, exact: np.ndarray, extent: StudyExtent) -> Iterator[tuple[Rate, float]]:
     """Yield one instance and a batch at each setting, and the difference of the two [m]."""
     for words, setting, values in settings(extent):
         run, places = together(level, extent, **values)
@@ -222,7 +222,7 @@ def ours(level: str, exact: np.ndarray, extent: Extent) -> Iterator[tuple[Rate, 
 
 
 def others(
-    level: str, exact: np.ndarray, pool: Executor, threads: Executor, workers: int, extent: Extent
+    level: str, exact: np.ndarray, pool: Executor, threads: Executor, workers: int, extent: StudyExtent
 ) -> Iterator[Rate]:
     """Yield the rates of third-party methods, one stop a worker at a time."""
     for setting in extent.tolerances if sundials.is_installed() else ():
@@ -263,7 +263,7 @@ def references(level: str, torques: np.ndarray) -> tuple[np.ndarray, float]:
     return np.array([measures["distance"] for measures, _, _ in found]), max(off for _, off, _ in found)
 
 
-def study(extent: Extent) -> EnsembleStudy:
+def study(extent: StudyExtent) -> EnsembleStudy:
     """Return all rates, with a progress bar."""
     workers = os.cpu_count() or 1
     ensemble_study = EnsembleStudy([], {}, {})

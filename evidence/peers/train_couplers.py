@@ -102,7 +102,7 @@ class CouplerRun:
     reason: str = ""
 
 
-class GivenUpError(Exception):
+class TooManyEvaluationsError(Exception):
     """A run took more than MOST evaluations."""
 
 
@@ -205,7 +205,7 @@ class BrakedTrain:
 
         def at(time: float, state: Matrix) -> Matrix:
             if equations.evaluations > MOST:
-                raise GivenUpError
+                raise TooManyEvaluationsError
             call(own, time, state.ctypes.data, to, None)
             return slopes
 
@@ -217,7 +217,7 @@ class BrakedTrain:
         setting = {"rtol": LEAST, "atol": tolerance * self.nominal(), "mxstep": MOST, "full_output": True}
         try:
             states, told = odeint(at, self.state(), self._times(), Dfun=jacobian_at, tfirst=True, **setting)
-        except GivenUpError:
+        except TooManyEvaluationsError:
             return failed(equations, f"given up after {MOST} evaluations")
         if told["message"] != "Integration successful.":
             return failed(equations, told["message"])

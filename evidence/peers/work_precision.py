@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evidence.chapter3.kinematic_analysis import rolling
-from evidence.chapter3.mechanism import FIRST_WHEELSET, Inputs, Mechanism
+from evidence.chapter3.mechanism import FIRST_WHEELSET, Mechanism, MechanismInputs
 from evidence.chapter3.program import run as run_program
 from evidence.measuring.runs import SceneRun, own
 from evidence.measuring.scenes import FULL, LOCK_UP, SMOOTH, STANDING, Scene, difference
@@ -57,7 +57,7 @@ class MethodPoint:
 
 
 @dataclass(frozen=True)
-class Study:
+class WorkPrecision:
     """All points of a case; `uncertainty`: relative difference of two references of different methods."""
 
     scene: Scene
@@ -181,7 +181,7 @@ def in_the_plane(scene: Scene) -> dict[str, float]:
     return scene.measure(own(scene, level=LEVEL, tolerance=scene.references[1]).samples)
 
 
-def study(scene: Scene, short: bool = False, done: Callable[[str], None] = lambda name: None) -> Study:
+def study(scene: Scene, short: bool = False, done: Callable[[str], None] = lambda name: None) -> WorkPrecision:
     """Run all methods on one case; `done` is called with the name of each."""
     measures, uncertainty, references = refer(scene)
     planar = in_the_plane(scene) if scene in IN_THE_PLANE else {}
@@ -198,13 +198,13 @@ def study(scene: Scene, short: bool = False, done: Callable[[str], None] = lambd
             late.add(name)
         points.append(MethodPoint(name, setting, error, run.seconds, run.work.get("right_hand_sides", 0), reason))
         done(name)
-    return Study(scene, points, uncertainty, references)
+    return WorkPrecision(scene, points, uncertainty, references)
 
 
 def oracle_point() -> MethodPoint:
     """Run chapter 3 of the thesis on the smooth stop for SHOWN; its time is extrapolated to the whole case."""
     mechanism = Mechanism(as_printed(tables_5_1_and_5_2()), thesis_pair(), 2, derivatives_along(section_5_3()))
-    inputs, state = Inputs(brake_torque=(FULL, FULL)), rolling(mechanism, 25.0)
+    inputs, state = MechanismInputs(brake_torque=(FULL, FULL)), rolling(mechanism, 25.0)
     begin = clock.perf_counter()
     *_, state = run_program(mechanism, state, SHOWN, STEP, lambda time: inputs)
     seconds = clock.perf_counter() - begin

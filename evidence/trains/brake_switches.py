@@ -14,7 +14,7 @@ from products.train.consist import Consist
 from products.train.consist_file import consist_of
 from products.train.numbers import Settings
 from products.train.running_resistance import formula_of
-from scenarios.benchmark.case import Case
+from scenarios.benchmark.case import BenchmarkCase
 from scenarios.benchmark.case_file import CASES, read_case
 from scenarios.benchmark.own.train_stop import rows_of
 
@@ -127,7 +127,7 @@ class Told:
 @lru_cache
 def told(name: str, steepest: float = 1.0) -> Told:
     """Return one of ARTC's tables from its case: stops from 20 km/h on, on gradients up to the steepest [1]."""
-    case: Case = read_case(CASES / f"artc-{name.lower()}.toml")
+    case: BenchmarkCase = read_case(CASES / f"artc-{name.lower()}.toml")
     rows = [[p.inputs["speed"], p.inputs["gradient"], p.published["distance"]] for p in case.points]
     speed, gradient, distance = np.array(rows, float).T
     kept = (speed > SLOWEST) & (np.abs(gradient) <= steepest)

@@ -111,7 +111,7 @@ class Master:
 
 
 @dataclass
-class Account:
+class CouplingStatistics:
     """Statistics of the coupling: macro steps made and repeated, and their smallest and largest size [s].
 
     energy [J]: energy that the inputs of the bonds added to that of their sources, in total and without sign.
@@ -144,7 +144,7 @@ class Coupling:
     connections: Sequence[Connection]
     master: Master = Master()
     bonds: Sequence[Bond] = ()
-    account: Account = field(default_factory=Account)
+    account: CouplingStatistics = field(default_factory=CouplingStatistics)
 
     def advance(self, time: float, size: float) -> dict[Connection, tuple[float, float, float, float]]:
         """Make one macro step.

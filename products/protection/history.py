@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmu_src.cosimulation.recording import Recording
-from products.protection.rig_in_c import Notes
+from products.protection.rig_in_c import RigNotes
 from products.protection.settings import BRAKE_START, LONGEST
 
 Numbers = NDArray[np.float64]
@@ -20,7 +20,7 @@ EVERY = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class History:
+class StopHistory:
     """A stop at sampling instants, the last of which is its end.
 
     time [s], speed [m/s] and distance [m] of the vehicle have shape (samples,). The others have shape (samples,
@@ -79,12 +79,12 @@ class Notebook:
         room = math.ceil(LONGEST / (every * period)) + 2  # the first and the last sample
         self._samples = np.zeros((rows, room, 3 + 6 * wheelsets))
         self._count = np.zeros(rows, np.int64)
-        self.place = Notes(every, room, self._samples.ctypes.data, self._count.ctypes.data)
+        self.place = RigNotes(every, room, self._samples.ctypes.data, self._count.ctypes.data)
 
-    def history(self, row: int) -> History:
+    def history(self, row: int) -> StopHistory:
         """Return a copy of the history of the run in a row."""
         samples = self._samples[row, : self._count[row]].copy()
         of_each = np.split(samples[:, 3:], 6, axis=1)
         time, speed, distance = samples[:, :3].T
         turning, shown, effort, valve, creep, load = of_each
-        return History(time, speed, distance, turning, shown, effort, valve.astype(np.int8), creep, load)
+        return StopHistory(time, speed, distance, turning, shown, effort, valve.astype(np.int8), creep, load)

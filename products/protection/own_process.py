@@ -43,11 +43,11 @@ class NoControllerError(Exception):
     """The controller is invalid; the text states the reason."""
 
 
-class EndedError(Exception):
+class ProcessEndedError(Exception):
     """The process ended or took too long; the text states how, as "ended its process (SIGSEGV)"."""
 
 
-class SilentProcessError(EndedError):
+class SilentProcessError(ProcessEndedError):
     """The process used little processor time and gave no answer for long: the controller is not evaluated."""
 
 
@@ -116,7 +116,7 @@ def runs_apart(order: Order, runs: Sequence[Run], limits: Limits | None = None) 
     return stops + [_applied(order, run, died, asked=False) for run in runs[len(stops) :]]
 
 
-def _applied(order: Order, run: Run, died: EndedError, asked: bool = True) -> Stop:
+def _applied(order: Order, run: Run, died: ProcessEndedError, asked: bool = True) -> Stop:
     """Return a stop with brakes that stay applied; it is not a stop of the controller."""
     [stop] = Rig(order.machine, None, order.settings, by_flow=order.by_flow, level=order.level).runs(
         [run], every=order.every
@@ -129,13 +129,15 @@ def _applied(order: Order, run: Run, died: EndedError, asked: bool = True) -> St
     return replace(stop, distance=None, message=f"The controller {words}", judged=judged)
 
 
-def _made(order: Order, runs: Sequence[Run], limits: Limits, alone: bool) -> tuple[list[Stop], EndedError | None]:
+def _made(
+    order: Order, runs: Sequence[Run], limits: Limits, alone: bool
+) -> tuple[list[Stop], ProcessEndedError | None]:
     """Return the stops that a process made, and how it ended before the last."""
     stops: list[Stop] = []
     try:
         for some in _heard(_make, (order, list(runs), alone), limits):
             stops += some
-    except EndedError as ended:
+    except ProcessEndedError as ended:
         return stops, ended
     return stops, None
 
@@ -164,7 +166,7 @@ def _heard(target: Callable[..., None], arguments: tuple[object, ...], limits: L
                     yield heard
                     continue
                 if kind == LATE:
-                    raise EndedError(f"used more than {limits.used:g} s of processor time without an answer")
+                    raise ProcessEndedError(f"used more than {limits.used:g} s of processor time without an answer")
                 ends = True
                 if kind == REFUSED:
                     raise NoControllerError(heard)
@@ -175,7 +177,7 @@ def _heard(target: Callable[..., None], arguments: tuple[object, ...], limits: L
         except EOFError:
             ends = True
             child.join()
-            raise EndedError(f"ended its process ({_end_of(child.exitcode)})") from None
+            raise ProcessEndedError(f"ended its process ({_end_of(child.exitcode)})") from None
         finally:
             if not ends:
                 child.kill()

@@ -55,7 +55,7 @@ from products.protection.compiled_machine import machine_library, machine_model,
 from products.protection.controller_kinds import Arrays, Form, FunctionsInC, InC, ManyControllers, Outside, at_once
 from products.protection.history import Notebook
 from products.protection.rails import ABOVE, BAND, JERK_TIME, LOCK_ABOVE
-from products.protection.rig_in_c import BEYOND, DONE, LOST, RUNS, SCORE, TOO_LONG, Wheelset
+from products.protection.rig_in_c import BEYOND, DONE, LOST, RUNS, SCORE, TOO_LONG, RigWheelset
 from products.protection.runs import SENSOR_FAILURES, Run, Stop
 from products.protection.settings import BRAKE_START, GAS, LONGEST, STANDING, Settings
 from rbd_model.track.line import Line
@@ -92,7 +92,7 @@ class Beginning:
     """
 
     end_speed: float
-    wheelsets: ctypes.Array[Wheelset]
+    wheelsets: ctypes.Array[RigWheelset]
     errors: NDArray[np.float64] | None
 
 
@@ -234,12 +234,12 @@ class Rig:
         seeds = [run.teeth * MOST_WHEELSETS + number for number in self.machine.numbers]
         return np.array([edge_errors(s.pulses, s.jitter, seed) for seed in seeds])
 
-    def _faults(self, run: Run) -> ctypes.Array[Wheelset]:
+    def _faults(self, run: Run) -> ctypes.Array[RigWheelset]:
         count = len(self.machine.numbers)
         phases = run.phases or (0.0,) * count
         if len(phases) != count:
             raise ValueError(f"phases must be one for each of {count} wheelsets; got {len(phases)}.")
-        each = (Wheelset * count)(*(Wheelset(1.0, 0.0, 0.0, phase, 0, 0) for phase in phases))
+        each = (RigWheelset * count)(*(RigWheelset(1.0, 0.0, 0.0, phase, 0, 0) for phase in phases))
         for fault in run.faults:
             if fault.wheelset not in self.machine.numbers:
                 raise ValueError(f"The wheelset of a fault must be from 1 to {len(each)}; got {fault.wheelset}.")

@@ -39,7 +39,7 @@ class RigSettings(ctypes.Structure):
     )
 
 
-class Wheelset(ctypes.Structure):
+class RigWheelset(ctypes.Structure):
     """A `rig_wheelset`."""
 
     _fields_ = (
@@ -48,7 +48,7 @@ class Wheelset(ctypes.Structure):
     )
 
 
-class Notes(ctypes.Structure):
+class RigNotes(ctypes.Structure):
     """A `rig_notes`."""
 
     _fields_ = (
@@ -120,7 +120,7 @@ def functions() -> ctypes.CDLL:
         "rig_free": (None, [pointer]),
         "rig_begin": (None, [pointer, count, ctypes.c_double, pointer, pointer]),
         "rig_scores": (pointer, [pointer]),
-        "rig_write_down": (None, [pointer, ctypes.POINTER(Notes)]),
+        "rig_write_down": (None, [pointer, ctypes.POINTER(RigNotes)]),
         "rig_sample": (None, [pointer, count, ctypes.c_int, pointer]),
         "rig_give_up": (None, [pointer, count]),
         "encoder_size": (ctypes.c_size_t, []),

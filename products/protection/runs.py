@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from products.machine import TRACTION, in_order
-from products.protection.history import History
+from products.protection.history import StopHistory
 from products.protection.settings import FASTEST, LONGEST
 from rbd_model.track.line import Line
 from readers.usual import likely_unit
@@ -106,7 +106,7 @@ class Stop:
     #: False if the controller gave no answer for long and is therefore not evaluated.
     judged: bool = True
     #: The history, if recorded.
-    history: History | None = field(default=None, compare=False, repr=False)
+    history: StopHistory | None = field(default=None, compare=False, repr=False)
     #: Largest jerk of the deceleration above 3 m/s, behind two lags of JERK_TIME of rails.py [m/s3].
     jerk: float = 0.0
     #: Longest time for which a valve stayed at vent [s].
@@ -126,7 +126,7 @@ class Stop:
         return None if self.distance is None or other is None else self.distance / other
 
     @property
-    def course(self) -> History:
+    def course(self) -> StopHistory:
         """The history. Raises ValueError if it was not recorded."""
         if self.history is None:
             raise ValueError("This stop has no history; give the rig's runs a recording interval.")

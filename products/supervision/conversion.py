@@ -15,7 +15,7 @@ from brake_controller.brake_weight import (
     MOST_PERCENTAGE,
     SERVICE_PERCENTAGE,
     SHORT_TRAIN,
-    Case,
+    BrakingKind,
 )
 from products.supervision.arguments import finite, name_among, numbers
 from products.supervision.steps import Steps
@@ -79,7 +79,7 @@ def build_up_time(position: str, length: np.ndarray | float, emergency: bool) ->
 
     Takes length [m]; returns [s].
     """
-    of = Case[f"{'EMERGENCY' if emergency else 'SERVICE'}_{position.upper().replace(' ', '_')}"].value
+    of = BrakingKind[f"{'EMERGENCY' if emergency else 'SERVICE'}_{position.upper().replace(' ', '_')}"].value
     lengths = np.asarray(length, dtype=float)
     x = np.maximum(lengths, of.least_length) / 100.0
     short, longer = (a + b * x + c * x**2 for a, b, c in (of.short, of.longer or of.short))

@@ -31,7 +31,7 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
-class Body:
+class HeatedBody:
     """A body that blocks or pads rub on: columns of its mass and number, and values if these are not stated.
 
     capacity: specific heat capacity [J/(kg.K)]; conductivity [W/(m.K)]; density [kg/m3]. cooling: of one, at rest
@@ -48,7 +48,7 @@ class Body:
     area: float
 
 
-def _bodies() -> dict[int, Body]:
+def _bodies() -> dict[int, HeatedBody]:
     """Return wheels of steel and discs of cast iron, all assumed except for materials.
 
     The cooling of a wheel at 70 km/h is 59 W/K, between 48 and 80 that fit reported time constants. A disc is one of
@@ -58,8 +58,8 @@ def _bodies() -> dict[int, Body]:
     two = axle_discs()
     fan = two.disc_cooling_over_speed * PAD_RADIUS
     return {
-        WHEELS: Body("wheel_mass", "wheels", STEEL, 45.0, 7850.0, 20.0, 2.0, 0.231),
-        DISCS: Body(
+        WHEELS: HeatedBody("wheel_mass", "wheels", STEEL, 45.0, 7850.0, 20.0, 2.0, 0.231),
+        DISCS: HeatedBody(
             "disc_mass", "discs", two.disc_heat_capacity, 50.0, 7200.0, two.disc_cooling_at_rest / 2, fan / 2, 0.451
         ),
     }
@@ -102,7 +102,7 @@ def heat_of(values: Mapping[str, Any], brake: VehicleBrake) -> BrakeHeat:
     )
 
 
-def _conduction(values: Mapping[str, Any], body: Body, number: float) -> dict[str, float]:
+def _conduction(values: Mapping[str, Any], body: HeatedBody, number: float) -> dict[str, float]:
     """Return time and resistance of conduction through rims or discs: L^2 / a and L / (k A). Raises ValueError."""
     if "thickness" not in values:
         return {"conduction_time": 0.0, "conduction_resistance": 0.0}

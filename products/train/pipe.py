@@ -21,7 +21,7 @@ COURANT = 0.8
 
 
 @dataclass(frozen=True)
-class Outside:
+class EndConditions:
     """Conditions outside an end: effective opening [m2], 0 closed; absolute pressure [Pa] and temperature [K]."""
 
     opening: float = 0.0
@@ -29,7 +29,7 @@ class Outside:
     temperature: float = 293.15
 
 
-class Air:
+class PipeAir:
     """The air in a pipe computed by the C library at `own`; volume: of its cells [m3]; kinds: of its distributors."""
 
     def __init__(self, library: ctypes.CDLL, own: int, volume: NDArray[np.float64], kinds: Sequence[int] = ()) -> None:
@@ -94,7 +94,7 @@ class Air:
         return found
 
 
-class Pipe(Air):
+class Pipe(PipeAir):
     """Air in a row of cells.
 
     pressure [Pa, absolute], temperature [K], speed [m/s], length [m], diameter [m, the same in all], wall temperature
@@ -166,7 +166,7 @@ class Pipe(Air):
             raise MemoryError(f"There is no memory for {len(cells)} vehicles; take fewer.")
         self._call.pipe_charge(self.own, pressure, AMBIENT, AMBIENT)
 
-    def open_to(self, end: int, outside: Outside) -> None:
+    def open_to(self, end: int, outside: EndConditions) -> None:
         """Set the conditions outside an end, 0 or 1. Raises ValueError if the end does not exist."""
         if end not in (0, 1):
             raise ValueError(f"The end of a pipe must be 0 or 1; got {end}.")

@@ -66,7 +66,7 @@ class StationStop:
 
 
 @dataclass(frozen=True)
-class Call:
+class StationCall:
     """A stop as it was made: place of the stop [m], overrun of the front (below 0: short) [m], times [s].
 
     late: arrival behind the timetable [s]; 0 for a stop without a due time.
@@ -184,7 +184,7 @@ class TimetableDriver:
     deceleration: float = 0.5
     within: float = 5.0
     adhesion: float = 0.25
-    calls: list[Call] = field(default_factory=list)
+    calls: list[StationCall] = field(default_factory=list)
     air: float = 0.0
     load: float = 0.0
     pulling: float = 1.0
@@ -303,7 +303,7 @@ class TimetableDriver:
             return False
         if fastest == 0.0:
             late = train.time - stop.arrival if stop.arrival > 0.0 else 0.0
-            self.calls.append(Call(stop.place, front - stop.place, train.time, late))
+            self.calls.append(StationCall(stop.place, front - stop.place, train.time, late))
             self.leaves = max(train.time + stop.standing, stop.departure)
         return True
 

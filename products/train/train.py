@@ -19,7 +19,7 @@ from products.train.inputs import Inputs, wrong_input
 from products.train.layout import INITIAL, INPUTS, OUTPUTS, START_PIPE_PRESSURE, SUMS, Array
 from products.train.library import functions
 from products.train.numbers import Settings, numbers_of, volumes_of
-from products.train.pipe import Air
+from products.train.pipe import PipeAir
 from rbd_model.track.line import Line
 from readers.import_account import Imported
 from readers.usual import almost_0, is_almost_0, likely_unit, note
@@ -326,14 +326,14 @@ class Train:
         self.inputs["external_vehicle"][vehicle], self.inputs["external_vehicle_speed"][vehicle] = 1.0, speed
 
     @property
-    def air(self) -> Air:
+    def air(self) -> PipeAir:
         """The air of the pipe: its cells, and the mass and energy that have left since the start.
 
         `vehicle_pressures("auxiliary")` has the reservoirs of the vehicles [Pa, absolute].
         """
         known = list(DISTRIBUTORS.values())
         kinds = [known.index(kind_of(vehicle.distributor)) for vehicle in self.consist.vehicles]
-        return Air(self._call, self._call.train_air(self._own), self._volumes, kinds)
+        return PipeAir(self._call, self._call.train_air(self._own), self._volumes, kinds)
 
     @property
     def steps(self) -> tuple[int, int]:

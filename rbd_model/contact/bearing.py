@@ -46,7 +46,7 @@ IN_CONTACT = ("height", "stiffness", "place", "depth", "curvature")  # for each 
 
 
 @dataclass(frozen=True)
-class Contour:
+class PartContour:
     """A part of a wheel and its rail in axes along `direction` [rad], from the origin of each.
 
     `place` [m] are points of the wheel's profile, `along` and `square` [m] the same points in these axes, `depth` [m]
@@ -81,7 +81,7 @@ class Overlap:
     bend: float
 
 
-def overlaps_at(part: Contour, offset: float) -> list[Overlap] | None:
+def overlaps_at(part: PartContour, offset: float) -> list[Overlap] | None:
     """Return the overlap at each of APPROACHES, at an offset of the wheel's y = 0 from the rail's [m], (3.77).
 
     None if the part is beside its rail.
@@ -123,7 +123,7 @@ class Parabola:
     tilt: float
     bend: float
 
-    def force(self, part: Contour) -> float:
+    def force(self, part: PartContour) -> float:
         """Return the force square to the axes of the part over E* [m2]: Hertz, Johnson (1985), section 4.2."""
         upright = 1 / math.sqrt(1 + self.slope**2)
         leaning = max(math.cos(part.direction + math.atan(self.slope)), LEAST_COSINE)
@@ -191,7 +191,7 @@ class Bearing:
     in_contact: tuple[np.ndarray, np.ndarray]
 
 
-def rigid_lines(part: Contour, offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def rigid_lines(part: PartContour, offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the least distance of rigid profiles at each offset and its place on the wheel [m], (3.77), (3.78).
 
     Beside the rail they are those of the last offset over it.
@@ -207,7 +207,7 @@ def rigid_lines(part: Contour, offsets: np.ndarray) -> tuple[np.ndarray, np.ndar
     return _filled(offsets, known, least), _filled(offsets, known, places)
 
 
-def bearing_of(part: Contour, offsets: np.ndarray) -> Bearing:
+def bearing_of(part: PartContour, offsets: np.ndarray) -> Bearing:
     """Return how a part bears (3.82)-(3.88).
 
     offsets [m]: equally spaced.
@@ -218,7 +218,7 @@ def bearing_of(part: Contour, offsets: np.ndarray) -> Bearing:
     return Bearing(_packed(offsets, at_first), _packed(offsets, in_contact))
 
 
-def _over(part: Contour, offsets: np.ndarray) -> Iterator[dict[str, np.ndarray]]:
+def _over(part: PartContour, offsets: np.ndarray) -> Iterator[dict[str, np.ndarray]]:
     """Yield each quantity of an `Overlap` at all offsets, for each of APPROACHES."""
     rows = [overlaps_at(part, float(offset)) for offset in offsets]
     known = np.array([row is not None for row in rows])
@@ -236,7 +236,7 @@ def _curves(offsets: np.ndarray, found: dict[str, np.ndarray]) -> list[PPoly]:
     return [CubicSpline(offsets, height), *(_smoothed(offsets, value) for value in rest)]
 
 
-def _centre(part: Contour, offsets: np.ndarray, found: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
+def _centre(part: PartContour, offsets: np.ndarray, found: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
     """Return the quantities of AT_FIRST."""
     slope = -CubicSpline(offsets, found["height"])(offsets, 1)
     cosine, sine = math.cos(part.direction), math.sin(part.direction)

@@ -18,7 +18,7 @@ from rbd_model.contact.patches import (
     AT_MODEL_3,
     TABLE_PITCH,
     TREAD_SLOPE,
-    Part,
+    WheelPart,
     contour_of,
     in_direction,
     offsets_of,
@@ -165,7 +165,7 @@ def patch_records(side: Side) -> tuple[Record, ...]:
     return tuple(patch_record(side, patch) for patch in patches_of(side))
 
 
-def patch_record(side: Side, part: Part) -> Record:
+def patch_record(side: Side, part: WheelPart) -> Record:
     """Return the record of a patch (section 9.4.1)."""
     if part.direction < 0.0:
         angle = math.degrees(part.direction)
@@ -179,7 +179,7 @@ def patch_record(side: Side, part: Part) -> Record:
     return Record(PATCH, rigid.numbers, tables)
 
 
-def line_record(side: Side, part: Part) -> Record:
+def line_record(side: Side, part: WheelPart) -> Record:
     """Return the same of any part, with its rigid distance and nearest place alone (section 3.3.2)."""
     offsets, contour = offsets_of(side), contour_of(side, part)
     turned = math.cos(part.direction), math.sin(part.direction)

@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import brentq
 
-from rbd_model.contact.bearing import LEAST_RIDGE, Contour
+from rbd_model.contact.bearing import LEAST_RIDGE, PartContour
 from rbd_model.contact.geometry import LEFT, RIGHT, ROLL_LIMITS, Side, Sides
 from rbd_model.contact.profiles import Profile, from_points
 
@@ -46,7 +46,7 @@ TURNED_PITCH = 0.02e-3
 
 
 @dataclass(frozen=True)
-class Part:
+class WheelPart:
     """A part of a wheel from point `first` to point `last`.
 
     `direction` [rad]: slope of the line along which wheel and rail are described. `radius` [m]: of the rail's contour
@@ -70,21 +70,23 @@ class Part:
         return float(np.count_nonzero(np.isfinite(self.nearest)) - 1) * TABLE_PITCH
 
 
-def patches_of(side: Side) -> tuple[Part, ...]:
+def patches_of(side: Side) -> tuple[WheelPart, ...]:
     """Return the parts of a wheel that are patches of contact model 2, from the field side on (section 9.4.1)."""
     return parts_of(side, LEAST_RIDGE)
 
 
-def contour_of(side: Side, part: Part) -> Contour:
+def contour_of(side: Side, part: WheelPart) -> PartContour:
     """Return the points of a part and its rail in the axes of the part (section 3.3.2)."""
     first, last = positions_of(side)[[part.first, part.last - 1]]
     place = np.arange(first, last, PATCH_PITCH * math.cos(part.direction))
     depth = side.wheel.height(place)
-    return Contour(part.direction, place, *in_direction(place, depth, part.direction), depth, part.rail, side.radius)
+    return PartContour(
+        part.direction, place, *in_direction(place, depth, part.direction), depth, part.rail, side.radius
+    )
 
 
 @lru_cache
-def parts_of(side: Side, least_ridge: float = 0.0, most: int | None = None) -> tuple[Part, ...]:
+def parts_of(side: Side, least_ridge: float = 0.0, most: int | None = None) -> tuple[WheelPart, ...]:
     """Return the parts of a wheel from the field side to the flange, cut where the contact would jump (section 9.4.1).
 
     The nearest point of each part is followed over shifts of the wheel against its rail. It may jump while the part is
@@ -117,7 +119,7 @@ def parts_of(side: Side, least_ridge: float = 0.0, most: int | None = None) -> t
     return tuple(replace(part, flange=place >= first) for place, part in enumerate(parts))
 
 
-def join_shortest(side: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]) -> None:
+def join_shortest(side: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[WheelPart]) -> None:
     """Join the part that travels least to the shorter of its neighbours. Tread and flange are joined last.
 
     This is a decision of this project, for contours on which a jump is shorter than the contact is wide
@@ -130,7 +132,7 @@ def join_shortest(side: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list
     parts[low : high + 1] = [follow(side, s, gaps, parts[high].first, parts[low].last)]
 
 
-def join_tip(side: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]) -> None:
+def join_tip(side: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[WheelPart]) -> None:
     """Join the parts beyond the steepest one of a flange to it: where they bear, the wheel climbs over its flange.
 
     This is a decision of this project (section 9.4.1). The end of the last part is thus that of the flange.
@@ -241,7 +243,7 @@ def bearing(
 
 def follow(
     side: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int, direction: float | None = None
-) -> Part:
+) -> WheelPart:
     """Follow the nearest place of the points `first` to `last` of the wheel's profile (section 3.3.2).
 
     Described along `direction` [rad], by default the slope of the wheel in the middle of where it bears; level for a
@@ -265,7 +267,7 @@ def follow(
         found[: np.nanargmax(found)] = np.nan
     ends = (min(slopes), max(slopes)) if slopes else (direction, direction)
     flange = direction >= TREAD_SLOPE and ends[0] >= TREAD_SLOPE / 2
-    return Part(first, last, direction, radius, rail, found, ends, flange)
+    return WheelPart(first, last, direction, radius, rail, found, ends, flange)
 
 
 def nearest_point(s: np.ndarray, gap: np.ndarray, cut: tuple[bool, bool]) -> float:

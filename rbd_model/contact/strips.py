@@ -127,7 +127,7 @@ def under_load(
 
 
 @dataclass(frozen=True)
-class Place:
+class StripPlace:
     """One place for all patches of a wheel: on rail and wheel, along the rail from the axle [m], angle [rad]."""
 
     on_rail: float
@@ -136,8 +136,8 @@ class Place:
     angle: float
 
 
-def place_of(contacts: list[Pressed]) -> Place:
+def place_of(contacts: list[Pressed]) -> StripPlace:
     """Return the centre of the squared overlap of the undeformed surfaces, the contact's place in Vollebregt (2020)."""
     weights = np.concatenate([contact.patch.overlap for contact in contacts])
     columns = [(s.on_rail, s.on_wheel, s.arm[0], s.angle) for s in (contact.patch.strips for contact in contacts)]
-    return Place(*(float(np.average(np.concatenate(c), weights=weights)) for c in zip(*columns, strict=True)))
+    return StripPlace(*(float(np.average(np.concatenate(c), weights=weights)) for c in zip(*columns, strict=True)))

@@ -31,7 +31,7 @@ class Extreme:
 
 
 @dataclass(frozen=True)
-class Adhesion:
+class AdhesionCheck:
     """A map of friction along a line, or of the factors on it.
 
     Values are means of both rails.
@@ -64,7 +64,7 @@ class Adhesion:
 
 
 @dataclass(frozen=True)
-class Check:
+class LineCheck:
     """Extremes of a line at a speed.
 
     Attributes
@@ -96,7 +96,7 @@ class Check:
     height: float
     twist: Extreme
     jumps: dict[str, list[Extreme]]
-    adhesion: Adhesion | None = None
+    adhesion: AdhesionCheck | None = None
 
 
 def deficiency_of(curvature: Numbers, cant: Numbers, speed: float) -> Numbers:
@@ -108,7 +108,7 @@ def deficiency_of(curvature: Numbers, cant: Numbers, speed: float) -> Numbers:
     return np.asarray(side * (GAUGE * speed**2 * curvature / GRAVITY - cant))
 
 
-def check_line(line: Line, speed: float, friction: float | None = None) -> Check:
+def check_line(line: Line, speed: float, friction: float | None = None) -> LineCheck:
     """Return the numbers of a line at a speed [m/s]; values are linear between rows, as in EN 13803.
 
     friction: that of the rail, which the factors of the line multiply [1]; None: unknown.
@@ -117,7 +117,7 @@ def check_line(line: Line, speed: float, friction: float | None = None) -> Check
     at, zeros = rows["distance"], np.zeros_like(rows["distance"])
     curvature, cant, gradient = (rows.get(name, zeros) for name in ("curvature", "cant", "gradient"))
     lacking = deficiency_of(curvature, cant, speed)
-    return Check(
+    return LineCheck(
         float(at[0]),
         float(at[-1]),
         at.size,
@@ -133,7 +133,7 @@ def check_line(line: Line, speed: float, friction: float | None = None) -> Check
     )
 
 
-def adhesion_of(line: Line, friction: float | None) -> Adhesion:
+def adhesion_of(line: Line, friction: float | None) -> AdhesionCheck:
     """Return the map of friction of a line, whose factors multiply a friction [1], or of the factors alone.
 
     The mean of both rails is that of `mean_friction` of line_table.py: Coulomb's law, end of (3.97).
@@ -142,7 +142,7 @@ def adhesion_of(line: Line, friction: float | None) -> Adhesion:
     scale = 1.0 if friction is None else friction
     left, right = (scale * line.rows.get(name, np.ones_like(at)) for name in FRICTIONS)
     both = (left + right) / 2.0
-    return Adhesion(
+    return AdhesionCheck(
         Extreme(float(both.min()), float(at[np.argmin(both)])),
         Extreme(float(both.max()), float(at[np.argmax(both)])),
         float(np.trapezoid(both, at) / (at[-1] - at[0])) if at.size > 1 else float(both[0]),

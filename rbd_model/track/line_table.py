@@ -10,7 +10,7 @@ from pathlib import Path
 import casadi as ca
 
 from fmu_src.system import System, Variable
-from fmu_src.user_files import Piece, TableFile
+from fmu_src.user_files import TableFile, TablePiece
 from readers.columns import Column
 
 #: Distance of the rails' heads over which cant is measured, EN 13803 [m]: its angle is asin(cant / GAUGE).
@@ -48,26 +48,28 @@ COLUMNS = (
 #: The values that models look up. A place in the plan, and the distance in the plan, are whole metres (`_far`) and a
 #: rest.
 PIECES = (
-    Piece("heading", "rad", 4),  # to the left
-    Piece("cant", "1", 5),  # sine of the track's roll: negative where the right rail is the higher one
-    Piece("rise", "m", 4, goes_on=True),
-    Piece("ahead", "m", 5, goes_on=True),  # along the first heading
-    Piece("ahead_far", "m", 0),
-    Piece("aside", "m", 5, goes_on=True),  # to the left of it
-    Piece("aside_far", "m", 0),
-    Piece("level", "m", 5, goes_on=True),  # the distance in the plan
-    Piece("level_far", "m", 0),
-    Piece("lateral", "m", 5),  # of both rails, the mean
-    Piece("spread", "m", 5),  # of each rail, outwards
-    Piece("left", "m", 5),  # height of the left rail
-    Piece("right", "m", 5),
-    Piece("left_friction", "1", 1),  # factor
-    Piece("right_friction", "1", 1),
-    Piece("friction", "1", 1),  # the mean of both
-    Piece("corner_before", "m", 0),  # place of the corner of gradient, curvature or friction behind, and of that ahead
-    Piece("corner_behind", "m", 0),
-    Piece("half_stretch", "m", 0),  # half of the shortest way between two corners: here, before and behind
-    Piece("shortest", "m", 0),  # length of the shortest thing that steps resolve
+    TablePiece("heading", "rad", 4),  # to the left
+    TablePiece("cant", "1", 5),  # sine of the track's roll: negative where the right rail is the higher one
+    TablePiece("rise", "m", 4, goes_on=True),
+    TablePiece("ahead", "m", 5, goes_on=True),  # along the first heading
+    TablePiece("ahead_far", "m", 0),
+    TablePiece("aside", "m", 5, goes_on=True),  # to the left of it
+    TablePiece("aside_far", "m", 0),
+    TablePiece("level", "m", 5, goes_on=True),  # the distance in the plan
+    TablePiece("level_far", "m", 0),
+    TablePiece("lateral", "m", 5),  # of both rails, the mean
+    TablePiece("spread", "m", 5),  # of each rail, outwards
+    TablePiece("left", "m", 5),  # height of the left rail
+    TablePiece("right", "m", 5),
+    TablePiece("left_friction", "1", 1),  # factor
+    TablePiece("right_friction", "1", 1),
+    TablePiece("friction", "1", 1),  # the mean of both
+    TablePiece(
+        "corner_before", "m", 0
+    ),  # place of the corner of gradient, curvature or friction behind, and of that ahead
+    TablePiece("corner_behind", "m", 0),
+    TablePiece("half_stretch", "m", 0),  # half of the shortest way between two corners: here, before and behind
+    TablePiece("shortest", "m", 0),  # length of the shortest thing that steps resolve
 )
 SOURCE = f"""static const double GAUGE = {GAUGE}, ROUNDING = {ROUNDING}, LARGEST_TURN = {LARGEST_TURN};
 static const double WHOLE_TURN = {WHOLE_TURN}, RESOLVING_ROWS = {RESOLVING_ROWS}, LEAST_CORNER = {LEAST_CORNER};

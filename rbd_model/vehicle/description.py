@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Literal
 
-from fmu_src.system import ParameterSet, Relation
+from fmu_src.system import ParameterRelation, ParameterSet
 from rbd_model.contact.creep.kalker import checked_ratio
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.geometry import Pair, Sides, thesis_pair
@@ -677,7 +677,7 @@ def _joined(size: Sum) -> tuple[tuple[str, float], ...]:
     return tuple((name, factor) for name, factor in factors.items() if factor)
 
 
-def relations_of(vehicle: Vehicle, parameters: Collection[str]) -> tuple[Relation, ...]:
+def relations_of(vehicle: Vehicle, parameters: Collection[str]) -> tuple[ParameterRelation, ...]:
     """Return the relations between the `parameters` of an FMU by which wheels do not overlap."""
     found = []
     for number, gap in enumerate(vehicle.gaps, 1):
@@ -686,7 +686,7 @@ def relations_of(vehicle: Vehicle, parameters: Collection[str]) -> tuple[Relatio
         fixed = Sum(tuple(term for term in terms if term not in free), gap.constant)
         if free:
             sentence = f"Vehicle {vehicle.name}: {_overlap(number, Sum(free))}."
-            found.append(Relation(free, vehicle.number(fixed), sentence))
+            found.append(ParameterRelation(free, vehicle.number(fixed), sentence))
     return tuple(dict.fromkeys(found))
 
 

@@ -30,7 +30,7 @@ VERTICALS = ("PVI", "ParaCurve", "CircCurve", "UnsymParaCurve")
 
 
 @dataclass(frozen=True)
-class Point:
+class VerticalPoint:
     """A point of vertical intersection: station and height, lengths of its curve before and after it, radius [m]."""
 
     station: float
@@ -68,7 +68,7 @@ def gradients_of(
     return [cut for piece in pieces if (cut := _cut(piece, begin, end)) is not None]
 
 
-def _vertical_point(one: ET.Element, unit: float, source: str) -> Point:
+def _vertical_point(one: ET.Element, unit: float, source: str) -> VerticalPoint:
     numbers = (one.text or "").split()
     what = f"{source}: {name_of(one)}"
     if len(numbers) != 2:
@@ -76,16 +76,16 @@ def _vertical_point(one: ET.Element, unit: float, source: str) -> Point:
     station, height = (unit * value_of(text, what, LONGEST) for text in numbers)
     if one.tag == "UnsymParaCurve":
         lengths = [unit * required(one, name, source, LONGEST) for name in ("lengthIn", "lengthOut")]
-        return Point(station, height, *lengths)
+        return VerticalPoint(station, height, *lengths)
     if one.tag == "CircCurve":
-        return Point(station, height, radius=abs(unit * required(one, "radius", source, LARGEST_RADIUS)))
+        return VerticalPoint(station, height, radius=abs(unit * required(one, "radius", source, LARGEST_RADIUS)))
     half = unit * required(one, "length", source, LONGEST) / 2.0 if one.tag == "ParaCurve" else 0.0
-    return Point(station, height, half, half)
+    return VerticalPoint(station, height, half, half)
 
 
-def _apart(points: list[Point], what: str, account: Account) -> list[Point]:
+def _apart(points: list[VerticalPoint], what: str, account: Account) -> list[VerticalPoint]:
     """Return the points with different places, those at both ends without curves. Raises FileError."""
-    found: list[Point] = []
+    found: list[VerticalPoint] = []
     for point in points:
         way = point.station - found[-1].station if found else math.inf
         if way <= -SHORTEST or (way < SHORTEST and abs(point.height - found[-1].height) > SHORTEST):
@@ -104,16 +104,16 @@ def _apart(points: list[Point], what: str, account: Account) -> list[Point]:
         account.left.append(f"{len(points) - len(found)} points of the profile within {SHORTEST:g} m of another one")
     ends = [number for number in {0, len(found) - 1} if _is_curve(found[number])]
     for number in ends:
-        found[number] = Point(found[number].station, found[number].height)
+        found[number] = VerticalPoint(found[number].station, found[number].height)
         account.left.append(f"the vertical curve at {found[number].station:.3f} m: one of its tangents is missing")
     return found
 
 
-def _is_curve(point: Point) -> bool:
+def _is_curve(point: VerticalPoint) -> bool:
     return point.before + point.after + point.radius > 0.0
 
 
-def _round(point: Point, before: float, after: float) -> Point:
+def _round(point: VerticalPoint, before: float, after: float) -> VerticalPoint:
     """Return a point with the lengths of its circle between two slopes."""
     if not point.radius:
         return point
@@ -122,7 +122,7 @@ def _round(point: Point, before: float, after: float) -> Point:
     return replace(point, before=along * math.cos(angles[0]), after=along * math.cos(angles[1]))
 
 
-def _fitted(points: list[Point], source: str, account: Account) -> list[Point]:
+def _fitted(points: list[VerticalPoint], source: str, account: Account) -> list[VerticalPoint]:
     """Return the points with touching curves shortened where they overlap by rounding. Raises FileError."""
     found, most = list(points), 0.0
     for number, (before, after) in enumerate(pairwise(points)):
@@ -141,7 +141,7 @@ def _fitted(points: list[Point], source: str, account: Account) -> list[Point]:
     return found
 
 
-def _pieces(points: list[Point], slopes: list[float]) -> list[Piece]:
+def _pieces(points: list[VerticalPoint], slopes: list[float]) -> list[Piece]:
     pieces: list[Piece] = []
     for number, slope in enumerate(slopes):
         before, after = points[number], points[number + 1]

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 from readers.columns import TableError, number_in, number_of
 from readers.contours import (
-    Body,
     Contour,
+    ContourRows,
     Rows,
     check_without_effect,
     other_kind,
@@ -172,7 +172,7 @@ def _parts(rows: Rows, source: str, key_and_value: KeyAndValue) -> tuple[dict[in
 def contour_of(header: Header, body: Rows, kind: str) -> Contour:
     """Return the contour of a header and its rows of points."""
     unit = header.unit or ((1.0, 1.0) if header.of_miniprof else None)
-    points, places, notes = read_points(Body(header.source, kind, body, header.columns, unit, header.count))
+    points, places, notes = read_points(ContourRows(header.source, kind, body, header.columns, unit, header.count))
     notes = header.notes + notes + unknown_keys(header.unknown)
     return Contour(header.source, (points + header.offset) / 1e3, places, tuple(notes), header.facts, kind)
 

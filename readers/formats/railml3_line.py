@@ -29,7 +29,7 @@ CONSTANT, CHANGING = (
 
 
 @dataclass(frozen=True)
-class Curve:
+class GeometryElement:
     """An element of geometry and its place on a net element [m]; `sign` is -1 if it runs against the net element."""
 
     element: ET.Element
@@ -75,9 +75,9 @@ def read_railml3(infrastructure: ET.Element, asked: Sequence[str], source: str) 
 
 def _located(
     elements: Sequence[ET.Element], lengths: dict[str, float], source: str, account: Account
-) -> dict[str, list[Curve]]:
+) -> dict[str, list[GeometryElement]]:
     """Return curves by net element, in the order of their places. Raises FileError."""
-    found: dict[str, list[Curve]] = {}
+    found: dict[str, list[GeometryElement]] = {}
     for element in elements:
         _check_direction(element, source)
         for place in inside(element, "associatedNetElement"):
@@ -92,7 +92,7 @@ def _located(
                 raise FileError(
                     f"{source}: {name_of(element)} must end after its begin; got {begin:g} to {end:g} m. Correct it."
                 )
-            found.setdefault(name, []).append(Curve(element, begin, end, sign))
+            found.setdefault(name, []).append(GeometryElement(element, begin, end, sign))
     return {name: sorted(curves, key=lambda curve: curve.begin) for name, curves in found.items()}
 
 
@@ -131,7 +131,7 @@ def _measure(place: ET.Element, side: str, length: float, source: str) -> float:
     return share * length
 
 
-def _curvature(curves: Sequence[Curve], source: str) -> list[Piece]:
+def _curvature(curves: Sequence[GeometryElement], source: str) -> list[Piece]:
     """Return the curvature of horizontal curves; transitions lie between their neighbours. Raises FileError."""
     values: list[float | None] = []
     for curve in curves:
@@ -145,7 +145,7 @@ def _curvature(curves: Sequence[Curve], source: str) -> list[Piece]:
     return _pieces(curves, values, lambda element: CHANGING.get(element.get("curveType", ""), LINEAR))
 
 
-def _bend(curve: Curve, source: str) -> float:
+def _bend(curve: GeometryElement, source: str) -> float:
     if curve.element.get("curveType") == "straight":
         return 0.0
     radius = attribute(curve.element, "radius", source, 1e9)
@@ -155,7 +155,9 @@ def _bend(curve: Curve, source: str) -> float:
     return -curve.sign * math.radians(turn) / (curve.end - curve.begin)
 
 
-def _pieces(curves: Sequence[Curve], values: Sequence[float | None], form: Callable[[ET.Element], str]) -> list[Piece]:
+def _pieces(
+    curves: Sequence[GeometryElement], values: Sequence[float | None], form: Callable[[ET.Element], str]
+) -> list[Piece]:
     """Return pieces of constant values, and between them pieces that change from one to the next."""
     found = []
     for number, curve in enumerate(curves):
@@ -171,11 +173,11 @@ def _pieces(curves: Sequence[Curve], values: Sequence[float | None], form: Calla
     return found
 
 
-def _meet(before: Curve, after: Curve) -> bool:
+def _meet(before: GeometryElement, after: GeometryElement) -> bool:
     return abs(after.begin - before.end) < 1.0
 
 
-def _gradient(curves: Sequence[Curve], source: str) -> list[Piece]:
+def _gradient(curves: Sequence[GeometryElement], source: str) -> list[Piece]:
     values: list[float | None] = []
     for one in curves:
         slope = attribute(one.element, "gradient", source, 500.0)
@@ -190,7 +192,7 @@ def _gradient(curves: Sequence[Curve], source: str) -> list[Piece]:
     return pieces
 
 
-def _cant(curves: Sequence[Curve], curvature: Sequence[Piece], source: str) -> list[Piece]:
+def _cant(curves: Sequence[GeometryElement], curvature: Sequence[Piece], source: str) -> list[Piece]:
     """Return the cant of superelevation curves, to the side of the horizontal curve."""
     values: list[float | None] = []
     for curve in curves:

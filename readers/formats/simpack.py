@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from readers.columns import number_in, number_of
 from readers.contours import (
-    Body,
     Contour,
+    ContourRows,
     Points,
     Rows,
     check_without_effect,
@@ -81,7 +81,7 @@ def read(rows: Rows, source: str, kind: str) -> Contour:
     file = _blocks(rows, source)
     found = _check_header(file, kind)
     scale, angle, notes = _units(file)
-    body = Body(source, found, file.body, ("x", "y", "weight"), scale)
+    body = ContourRows(source, found, file.body, ("x", "y", "weight"), scale)
     points, places, told = read_points(body)
     per_mm = 1e3 if scale is None and any("metres" in note for note in told) else (scale or (1.0, 1.0))[0]
     to_mm = per_mm / (scale or (1.0, 1.0))[1]

@@ -25,7 +25,7 @@ def train_of(length: float, **values: object) -> Consist:
 
 
 @dataclass(frozen=True)
-class Course:
+class TrainCourse:
     """Gauge pressures [Pa], tension [N], speed [m/s], distance [m] and wheel speed [m/s], by time [s] and vehicle or
     coupling.
     """
@@ -61,7 +61,9 @@ class Course:
         return float(self.distance[-1, 0] - self.distance[0, 0])
 
 
-def follow(train: Train, seconds: float, interval: float = 0.1, act: Callable[[Train], bool] | None = None) -> Course:
+def follow(
+    train: Train, seconds: float, interval: float = 0.1, act: Callable[[Train], bool] | None = None
+) -> TrainCourse:
     """Advance a train and record it.
 
     Takes seconds [s], interval [s].
@@ -79,10 +81,10 @@ def follow(train: Train, seconds: float, interval: float = 0.1, act: Callable[[T
             break
         train.advance(interval)
         look()
-    return Course(*(np.array(values) for values in zip(*rows, strict=True)))
+    return TrainCourse(*(np.array(values) for values in zip(*rows, strict=True)))
 
 
-def seconds_of(courses: Iterable[Course]) -> float:
+def seconds_of(courses: Iterable[TrainCourse]) -> float:
     """Return the time simulated by all courses, each of which begins at the clock's zero [s]."""
     return float(sum(course.time[-1] for course in courses))
 
@@ -92,18 +94,18 @@ def stands(train: Train) -> bool:
     return bool((train.speed == 0.0).all())
 
 
-def stop(train: Train, interval: float = 0.1, longest: float = 300.0) -> Course:
+def stop(train: Train, interval: float = 0.1, longest: float = 300.0) -> TrainCourse:
     """Advance until all vehicles are at rest."""
     return follow(train, longest, interval, stands)
 
 
-def build_up_time(course: Course) -> float:
+def build_up_time(course: TrainCourse) -> float:
     """Return the equivalent delay of an immediate brake, int (1 - mean share of full pressure) dt [s]."""
     share = np.clip(course.cylinder / FULL, 0.0, 1.0).mean(axis=1)
     return float(np.trapezoid(1.0 - share, course.time))
 
 
-def propagation(course: Course, length: float) -> float:
+def propagation(course: TrainCourse, length: float) -> float:
     """Return the speed [m/s] at which cylinders begin to fill, beyond the first tenth of the train."""
     begun = course.begun()
     first = len(begun) // 10

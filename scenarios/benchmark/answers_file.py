@@ -8,7 +8,7 @@ from pathlib import Path
 from fmu_src.suggestion import suggestion
 from readers.tables import Column, Table, read_table
 from readers.text import BadInputError, FileError, shown
-from scenarios.benchmark.case import Case
+from scenarios.benchmark.case import BenchmarkCase
 from scenarios.benchmark.case_file import read_case
 from scenarios.benchmark.entries import scale_of, si_unit
 from scenarios.benchmark.programs import Answers, Program
@@ -27,7 +27,7 @@ def program_of_answers(path: Path, files: Mapping[str, Path]) -> Program:
     """Return a CSV file of answers as a program: case, number of the point from 1, answer, value, unit."""
     found: dict[tuple[str, int], dict[str, float]] = {}
     try:
-        read, cases = read_table(path, COLUMNS), dict[str, Case]()
+        read, cases = read_table(path, COLUMNS), dict[str, BenchmarkCase]()
         for row, at in enumerate(read.places.tolist()):
             try:
                 name, point, answer, value = _row_of(read, row, files, cases)
@@ -40,13 +40,15 @@ def program_of_answers(path: Path, files: Mapping[str, Path]) -> Program:
     except FileError as error:
         raise BadInputError(str(error)) from None
 
-    def ask(case: Case, point: int) -> Answers:
+    def ask(case: BenchmarkCase, point: int) -> Answers:
         return found.get((case.name, point), {})
 
     return Program(path.stem, f"answers in {path.name}", ask, computes=False)
 
 
-def _row_of(read: Table, row: int, files: Mapping[str, Path], cases: dict[str, Case]) -> tuple[str, int, str, float]:
+def _row_of(
+    read: Table, row: int, files: Mapping[str, Path], cases: dict[str, BenchmarkCase]
+) -> tuple[str, int, str, float]:
     """Return case, point from 0, answer and value in SI units of a row; cases: those that were read before."""
     name, answer, unit = (read.words[one][row] for one in ("case", "answer", "unit"))
     point = int(read.numbers["point"][row])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scenarios.benchmark.case import Answer, Case, Point
+from scenarios.benchmark.case import AnswerQuantity, BenchmarkCase, CasePoint
 from scenarios.benchmark.programs import Answers, CannotAnswerError, Program
 
 #: Number of draws by default, and seed of all.
@@ -29,8 +29,8 @@ class Band:
     those with an answer.
     """
 
-    case: Case
-    answer: Answer
+    case: BenchmarkCase
+    answer: AnswerQuantity
     number: int
     published: float
     value: float | None
@@ -46,7 +46,7 @@ class Band:
         return None if self.lower is None or self.upper is None else self.lower <= self.published <= self.upper
 
 
-def bands(case: Case, program: Program, draws: int = DRAWS, seed: int = SEED) -> list[Band]:
+def bands(case: BenchmarkCase, program: Program, draws: int = DRAWS, seed: int = SEED) -> list[Band]:
     """Return the ranges of a case, at MOST_POINTS random points if it has more; none if it has no unknown input.
 
     Answers that do not depend on the unknown inputs are left out.
@@ -74,11 +74,11 @@ def _varies(name: str, others: list[Answers]) -> bool:
     return bool(values) and max(values) - min(values) > SAME * abs(float(np.median(values)))
 
 
-def _with(point: Point, values: Mapping[str, float]) -> Point:
+def _with(point: CasePoint, values: Mapping[str, float]) -> CasePoint:
     return replace(point, inputs={**point.inputs, **values})
 
 
-def _answers(case: Case, program: Program, point: Point) -> Answers:
+def _answers(case: BenchmarkCase, program: Program, point: CasePoint) -> Answers:
     """Return the answers of a program at a point; none if it fails there, as some draws have no stop."""
     try:
         return program.ask(replace(case, points=(point,)), 0)
@@ -86,7 +86,7 @@ def _answers(case: Case, program: Program, point: Point) -> Answers:
         return {}
 
 
-def _band(case: Case, number: int, name: str, own: Answers, others: list[Answers]) -> Band:
+def _band(case: BenchmarkCase, number: int, name: str, own: Answers, others: list[Answers]) -> Band:
     values = [other[name] for other in others if name in other]
     enough = 2 * len(values) >= len(others)
     lower, median, upper = np.percentile(values, PERCENTILES).tolist() if enough else (None, None, None)

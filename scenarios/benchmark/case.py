@@ -12,7 +12,7 @@ from scenarios.benchmark.entries import Input, scale_of
 
 
 @dataclass(frozen=True)
-class Answer:
+class AnswerQuantity:
     """A quantity that a program computes: description, unit of tables, and the bound of its error.
 
     bound: absolute [SI], or relative to the published value [1]; None without a bound. judged: whether an error above
@@ -33,7 +33,7 @@ class Answer:
 
 
 @dataclass(frozen=True)
-class Point:
+class CasePoint:
     """Inputs of a point in SI units, and its published answers by name in SI units."""
 
     inputs: Mapping[str, Input]
@@ -59,7 +59,7 @@ class Unknown:
 
 
 @dataclass(frozen=True)
-class Case:
+class BenchmarkCase:
     """A case: descriptions, units of its inputs, answers, points, and distributions of inputs that are not known."""
 
     name: str
@@ -72,6 +72,6 @@ class Case:
     sureness: str
     note: str
     units: Mapping[str, str]
-    answers: Mapping[str, Answer]
-    points: tuple[Point, ...]
+    answers: Mapping[str, AnswerQuantity]
+    points: tuple[CasePoint, ...]
     unknown: Mapping[str, Unknown]

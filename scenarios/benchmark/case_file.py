@@ -18,7 +18,7 @@ from readers.documents import is_number
 from readers.tables import Column, names_of, read_table, tidy
 from readers.text import FileError, shown
 from readers.toml_files import toml_of
-from scenarios.benchmark.case import Answer, Case, Point, Unknown
+from scenarios.benchmark.case import AnswerQuantity, BenchmarkCase, CasePoint, Unknown
 from scenarios.benchmark.entries import (
     NAME,
     Input,
@@ -44,7 +44,7 @@ OF_ANSWER = ("what", "unit", "judged", "within", "within_percent")
 DISTRIBUTIONS = ("uniform", "normal", "list")
 
 
-def read_case(path: str | Path) -> Case:
+def read_case(path: str | Path) -> BenchmarkCase:
     """Return a case from its file."""
     path = Path(path)
     read = toml_of(path)
@@ -68,7 +68,9 @@ def read_case(path: str | Path) -> Case:
         for name, one in flat(read.get("unknown", {}), f"{path}, unknown", DISTRIBUTIONS).items()
     }
     check_percent(answers, points, str(path))
-    return Case(path.stem, path, **{"note": "", **texts}, units=units, answers=answers, points=points, unknown=unknown)
+    return BenchmarkCase(
+        path.stem, path, **{"note": "", **texts}, units=units, answers=answers, points=points, unknown=unknown
+    )
 
 
 def cases_in(places: Iterable[Path]) -> dict[str, Path]:
@@ -95,7 +97,7 @@ def inputs_of(table: dict[str, Any], place: str) -> tuple[dict[str, Input], dict
     return values, units
 
 
-def answer_of(name: str, table: Any, place: str) -> Answer:
+def answer_of(name: str, table: Any, place: str) -> AnswerQuantity:
     """Return what a case needs from a program. Raises FileError."""
     if not isinstance(table, dict):
         raise FileError(f"{place} must be a table; got {shown(table)}.")
@@ -119,7 +121,7 @@ def answer_of(name: str, table: Any, place: str) -> Answer:
         bound = quantity_at(f"{place}.within", table["within"], own)
         if bound <= 0.0:
             raise FileError(f"{place}: within must be above 0; got {shown(table['within'])}.")
-    return Answer(name, what, unit, judged, bound, "within" not in table)
+    return AnswerQuantity(name, what, unit, judged, bound, "within" not in table)
 
 
 def unknown_of(name: str, table: Any, units: Mapping[str, str], inputs: Mapping[str, Input], place: str) -> Unknown:
@@ -145,8 +147,8 @@ def unknown_of(name: str, table: Any, units: Mapping[str, str], inputs: Mapping[
 
 
 def points_of(
-    given: Any, path: Path, inputs: dict[str, Input], units: dict[str, str], answers: dict[str, Answer]
-) -> tuple[Point, ...]:
+    given: Any, path: Path, inputs: dict[str, Input], units: dict[str, str], answers: dict[str, AnswerQuantity]
+) -> tuple[CasePoint, ...]:
     """Return the points of a case. Raises FileError."""
     if isinstance(given, str):
         rows = rows_of(path, given, inputs, units, answers)
@@ -165,12 +167,16 @@ def points_of(
         own = tuple(name for name in row if name in inputs)
         if not published:
             raise FileError(f"{place} must have a published answer, one of {', '.join(answers)}; got none. Add it.")
-        found.append(Point(inputs | {name: row[name] for name in own}, published, own))
+        found.append(CasePoint(inputs | {name: row[name] for name in own}, published, own))
     return tuple(found)
 
 
 def point_of(
-    table: dict[str, Any], place: str, inputs: dict[str, Input], units: dict[str, str], answers: dict[str, Answer]
+    table: dict[str, Any],
+    place: str,
+    inputs: dict[str, Input],
+    units: dict[str, str],
+    answers: dict[str, AnswerQuantity],
 ) -> dict[str, Any]:
     """Return the inputs and published answers of a point in SI units."""
     found: dict[str, Any] = {}
@@ -189,7 +195,7 @@ def point_of(
 
 
 def rows_of(
-    path: Path, name: str, inputs: dict[str, Input], units: dict[str, str], answers: dict[str, Answer]
+    path: Path, name: str, inputs: dict[str, Input], units: dict[str, str], answers: dict[str, AnswerQuantity]
 ) -> list[tuple[str, dict[str, Any]]]:
     """Return place and values of the rows of a CSV file next to the case, in SI units."""
     if Path(name).name != name:
@@ -219,7 +225,7 @@ def rows_of(
     return rows
 
 
-def check_percent(answers: Mapping[str, Answer], points: Iterable[Point], place: str) -> None:
+def check_percent(answers: Mapping[str, AnswerQuantity], points: Iterable[CasePoint], place: str) -> None:
     """Check that no published value is 0 where its error is in percent. Raises FileError."""
     for number, point in enumerate(points, 1):
         for name, value in point.published.items():

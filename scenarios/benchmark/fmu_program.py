@@ -12,7 +12,7 @@ from readers.documents import is_number
 from readers.text import BadInputError, FileError, shown
 from readers.toml_files import toml_of
 from readers.units import factor, quantity_of
-from scenarios.benchmark.case import Case
+from scenarios.benchmark.case import BenchmarkCase
 from scenarios.benchmark.entries import check_names, quantity_at, si_unit, table_at, text_at
 from scenarios.benchmark.programs import Answers, CannotAnswerError, Program
 
@@ -115,7 +115,7 @@ def program_of_fmu(path: Path, map_path: Path) -> Program:
         raise BadInputError(str(error)) from None
     loaded: list[FmuInstance] = []
 
-    def ask(case: Case, point: int) -> Answers:
+    def ask(case: BenchmarkCase, point: int) -> Answers:
         if case.question != mapped.question:
             return {}
         try:
@@ -128,7 +128,7 @@ def program_of_fmu(path: Path, map_path: Path) -> Program:
     return Program(path.stem, f"{path.name}, mapped by {map_path.name}", ask)
 
 
-def _run(fmu: FmuInstance, mapped: Map, case: Case, point: int) -> Answers:
+def _run(fmu: FmuInstance, mapped: Map, case: BenchmarkCase, point: int) -> Answers:
     """Return the answers of a run with the inputs of a point; none if the run does not come to its end."""
     fmu.restart({**mapped.values, **_values_of(fmu, mapped, case, point)})
     for number in range(round(mapped.duration / mapped.step)):
@@ -152,7 +152,7 @@ def _run(fmu: FmuInstance, mapped: Map, case: Case, point: int) -> Answers:
     return ends
 
 
-def _values_of(fmu: FmuInstance, mapped: Map, case: Case, point: int) -> dict[str, float]:
+def _values_of(fmu: FmuInstance, mapped: Map, case: BenchmarkCase, point: int) -> dict[str, float]:
     """Return values of variables in their units. Raises CannotAnswerError for an input without a variable."""
     found = {}
     for name, value in case.points[point].inputs.items():

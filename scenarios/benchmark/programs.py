@@ -21,7 +21,7 @@ from typing import Any
 from readers.documents import is_number
 from readers.text import BadInputError, shown
 from scenarios.benchmark import own
-from scenarios.benchmark.case import Case
+from scenarios.benchmark.case import BenchmarkCase
 from scenarios.benchmark.elsewhere import OtherPython, other_python
 
 Answers = Mapping[str, float]
@@ -41,7 +41,7 @@ class Program:
 
     name: str
     version: str
-    ask: Callable[[Case, int], Answers]
+    ask: Callable[[BenchmarkCase, int], Answers]
     computes: bool = True
 
 
@@ -74,7 +74,7 @@ def of_adapter(module: ModuleType, other: OtherPython) -> Program:
     """Return the program of an adapter in another Python."""
     place = str(module.__file__)
 
-    def ask(case: Case, point: int) -> Answers:
+    def ask(case: BenchmarkCase, point: int) -> Answers:
         try:
             found = other.answer(place, case.question, case.points[point].inputs)
         except RuntimeError as error:
@@ -90,7 +90,7 @@ def of_module(module: ModuleType, strict: bool = False) -> Program:
     Its output goes to the standard error. strict: answers of which the case needs none are an error.
     """
 
-    def ask(case: Case, point: int) -> Answers:
+    def ask(case: BenchmarkCase, point: int) -> Answers:
         try:
             with redirect_stdout(sys.stderr):
                 found = module.answer(case.question, dict(case.points[point].inputs))
@@ -103,7 +103,7 @@ def of_module(module: ModuleType, strict: bool = False) -> Program:
     return Program(str(module.NAME), str(module.version()), ask)
 
 
-def checked(found: Any, case: Case, strict: bool = False) -> Answers:
+def checked(found: Any, case: BenchmarkCase, strict: bool = False) -> Answers:
     """Return what a program returned as answers. Raises CannotAnswerError if it is not valid."""
     if found is None:
         return {}

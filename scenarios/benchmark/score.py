@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenarios.benchmark import elsewhere
-from scenarios.benchmark.case import Answer, Case
+from scenarios.benchmark.case import AnswerQuantity, BenchmarkCase
 from scenarios.benchmark.programs import Answers, CannotAnswerError, Program
 
 
@@ -22,8 +22,8 @@ class Score:
     published value. cost: processor time of a point [s], None if the program answered nothing.
     """
 
-    case: Case
-    answer: Answer
+    case: BenchmarkCase
+    answer: AnswerQuantity
     program: str
     values: tuple[float | None, ...]
     published: tuple[float | None, ...]
@@ -63,12 +63,12 @@ class Score:
 class Scored:
     """Scores of one case: a row for each answer and program, and why a program failed."""
 
-    case: Case
+    case: BenchmarkCase
     scores: tuple[Score, ...]
     failures: dict[str, str]
 
 
-def score(case: Case, programs: Sequence[Program]) -> Scored:
+def score(case: BenchmarkCase, programs: Sequence[Program]) -> Scored:
     """Return the scores of all programs on a case."""
     scores: list[Score] = []
     failures: dict[str, str] = {}
@@ -87,7 +87,7 @@ def score(case: Case, programs: Sequence[Program]) -> Scored:
     return Scored(case, tuple(scores), failures)
 
 
-def _asked(program: Program, case: Case) -> tuple[list[Answers], float | None, str]:
+def _asked(program: Program, case: BenchmarkCase) -> tuple[list[Answers], float | None, str]:
     """Return the answers for each point, the processor time of one [s], and why points have none.
 
     The first point is computed twice: what is compiled or imported then does not count.

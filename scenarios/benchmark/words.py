@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from scenarios.benchmark.band import Band
-from scenarios.benchmark.case import Answer, Case
+from scenarios.benchmark.case import AnswerQuantity, BenchmarkCase
 from scenarios.benchmark.score import Score, Scored
 
 DASH = "-"
@@ -74,14 +74,14 @@ def rows_of_points(scored: Scored) -> list[list[str]]:
     return rows
 
 
-def point_of(case: Case, number: int) -> str:
+def point_of(case: BenchmarkCase, number: int) -> str:
     """Return the number of a point, and its own inputs that are numbers or strings."""
     point = case.points[number]
     own = [f"{name} {value_of(case, name, point.inputs[name])}" for name in point.own]
     return f"{number + 1}: {', '.join(own)}" if own else f"{number + 1}"
 
 
-def value_of(case: Case, name: str, value: object) -> str:
+def value_of(case: BenchmarkCase, name: str, value: object) -> str:
     """Return an input with its unit; lists by their length."""
     if isinstance(value, tuple):
         return f"of {len(value)}"
@@ -94,7 +94,7 @@ def displayed(unit: str) -> tuple[str, float]:
     return ("km/h", 1 / 3.6) if unit == "m/s" else (unit, 1.0)
 
 
-def quantity(answer: Answer, value: float | None) -> str:
+def quantity(answer: AnswerQuantity, value: float | None) -> str:
     """Return a value with the unit of the answer."""
     unit = "" if answer.unit == "1" else f" {answer.unit}"
     return DASH if value is None else f"{value / answer.scale:.4g}{unit}"

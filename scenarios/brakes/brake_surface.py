@@ -40,7 +40,7 @@ Numbers = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Body:
+class SlabBody:
     """Wheels or discs: number in `BODIES`, thickness [m], speed of the stop [m/s], row of the vehicle."""
 
     number: int
@@ -64,8 +64,8 @@ class Body:
 
 #: A rim of 50 mm under a loaded wagon, and ventilated discs with rings of 22 mm under a coach.
 BRAKED = {
-    "tread from 100 km/h": Body(WHEELS, 0.05, 100.0 / 3.6, {"kind": "wagon", "friction": "composite"}),
-    "disc from 160 km/h": Body(DISCS, 0.022, 160.0 / 3.6, {"kind": "coach", "friction": "pads"}),
+    "tread from 100 km/h": SlabBody(WHEELS, 0.05, 100.0 / 3.6, {"kind": "wagon", "friction": "composite"}),
+    "disc from 160 km/h": SlabBody(DISCS, 0.022, 160.0 / 3.6, {"kind": "coach", "friction": "pads"}),
 }
 
 
@@ -116,7 +116,7 @@ def errors() -> dict[str, Numbers]:
     return {name: 100 * np.abs(own - exact) / (exact + FOURIER) for name, own in found.items()}
 
 
-def stop(body: Body) -> HeatedStop:
+def stop(body: SlabBody) -> HeatedStop:
     """Return an emergency stop of a vehicle, and its surface by finite volumes with the same heat."""
     train = Train(consist_of([body.vehicle]), speed=body.speed)
     share = train.consist.vehicles[0].heat.heat_share

@@ -29,7 +29,7 @@ from fmu_src.suggestion import suggestion
 from readers.command_line import check_folder, whole
 from readers.text import BadInputError, shown
 from scenarios.benchmark.band import DRAWS, Band, bands
-from scenarios.benchmark.case import Case
+from scenarios.benchmark.case import BenchmarkCase
 from scenarios.benchmark.case_file import CASES, cases_in, read_case
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def run(chosen: argparse.Namespace) -> int:
         return _run(cases, files, chosen)
 
 
-def _list(cases: Sequence[Case], chosen: argparse.Namespace) -> int:
+def _list(cases: Sequence[BenchmarkCase], chosen: argparse.Namespace) -> int:
     about = {case.name: case.title for case in cases}
     if chosen.json:
         print(json.dumps(about, indent=2))
@@ -104,7 +104,7 @@ def _check_answered(scored: Sequence[Scored]) -> None:
             )
 
 
-def _run(cases: Sequence[Case], files: dict[str, Path], chosen: argparse.Namespace) -> int:
+def _run(cases: Sequence[BenchmarkCase], files: dict[str, Path], chosen: argparse.Namespace) -> int:
     from bogie_braking.reporting.progress import counting
     from scenarios.benchmark.answers_file import program_of_answers
     from scenarios.benchmark.fmu_program import program_of_fmu

@@ -16,7 +16,7 @@ from bogie_braking.common_options import add_out, look_for_plotly
 from bogie_braking.exit_status import HOLDS
 from bogie_braking.reporting import plots
 from bogie_braking.reporting.report import VERDICTS, number, parted, verdict_of
-from bogie_braking.reporting.saved import Run, results_in
+from bogie_braking.reporting.saved import SavedRun, results_in
 from bogie_braking.reporting.scenario import BadInputError
 from bogie_braking.web.frame import filled
 from readers.command_line import check_folder
@@ -80,7 +80,7 @@ def write_index(out: Path) -> tuple[Path, list[str]]:
     return out / "index.html", found.skipped
 
 
-def chart(results: list[Run]) -> str:
+def chart(results: list[SavedRun]) -> str:
     """Return a chart of simulated over published values, one line for each scenario."""
     import plotly.graph_objects as go
 

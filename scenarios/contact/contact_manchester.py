@@ -34,7 +34,7 @@ from rbd_model.contact.geometry import STANDARD_GAUGE, Pair
 from rbd_model.contact.hertz import POISSON_RATIO, moving_ellipse
 from rbd_model.contact.normal import Steel, patches
 from rbd_model.contact.pair_table import patch_record
-from rbd_model.contact.patches import Part, patches_of
+from rbd_model.contact.patches import WheelPart, patches_of
 from rbd_model.contact.profiles import from_points, wheel_s1002
 from rbd_model.contact.strips import WheelVelocity, creepages_of, place_of, rolling, total, under_load
 from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, TurningTrack, find_patch, press
@@ -166,13 +166,13 @@ class Elastic:
 
     bearing: ca.Function
 
-    def at(self, given: np.ndarray) -> Bearing:
+    def at(self, given: np.ndarray) -> PatchContact:
         """Return the contact for one position and velocity of the wheel."""
-        return Bearing(*self.bearing(given).full().ravel().tolist())
+        return PatchContact(*self.bearing(given).full().ravel().tolist())
 
 
 @dataclass(frozen=True)
-class Bearing:
+class PatchContact:
     """Contact of one patch of model 2: forces on the wheel, ahead, outwards and up [N], normal force [N], largest
     pressure [Pa], position on wheel and rail [m], contact angle [rad].
     """
@@ -193,7 +193,7 @@ def elastic_patches(contact: Contact) -> list[Elastic]:
     return [elastic_patch(patch, contact) for patch in patches_of(manchester_pair().left)]
 
 
-def elastic_patch(part: Part, contact: Contact) -> Elastic:
+def elastic_patch(part: WheelPart, contact: Contact) -> Elastic:
     """Return one patch as a function of lateral position, height, yaw, roll, speed and rates of rotation in the
     wheelset's axes.
     """
@@ -218,7 +218,7 @@ def elastic_patch(part: Part, contact: Contact) -> Elastic:
     return Elastic(ca.Function("bearing", [given], [results]))
 
 
-def bearings(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) -> list[Bearing]:
+def bearings(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) -> list[PatchContact]:
     """Return all patches of a wheel at the height at which they carry the load.
 
     The axes make every wheel a left one.
@@ -227,7 +227,7 @@ def bearings(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES)
     axes = turned_by(direction_cosines(ca.SX(stand.yaw), ca.SX(stand.roll)))
     own_rate = ca.evalf(axes.T @ ca.SX(motion.rotation)).full().ravel()
 
-    def at(approach: float) -> list[Bearing]:
+    def at(approach: float) -> list[PatchContact]:
         given = [stand.lateral, top - approach, stand.yaw, stand.roll, motion.velocity[0], *own_rate]
         return [patch.at(np.array(given)) for patch in elastic_patches(contact)]
 

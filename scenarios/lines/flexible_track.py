@@ -38,7 +38,7 @@ RIGID, YIELDING = {"flexible_track": 0.0}, {"flexible_track": 1.0}
 
 
 @dataclass(frozen=True)
-class Scene:
+class CoachRun:
     """A coach on a line: speed [m/s], duration [s], and values."""
 
     name: str
@@ -54,14 +54,14 @@ class Scene:
         )
 
 
-def curve(radius: float, cant: float, deficiency: float = 0.0, friction: float = 0.3, name: str = "") -> Scene:
+def curve(radius: float, cant: float, deficiency: float = 0.0, friction: float = 0.3, name: str = "") -> CoachRun:
     """Return straight track, a transition, and a curve at the speed of balanced cant plus a deficiency.
 
     Takes radius [m], cant, deficiency [m].
     """
     line, speed = into_curve(radius, cant, CURVE), suited_speed(radius, cant, deficiency)
     values = {"constant_speed": 1.0} | {f"friction_{number}": friction for number in (1, 2, 3, 4)}
-    return Scene(name, line, speed, (line.length - LEFT) / speed, values)
+    return CoachRun(name, line, speed, (line.length - LEFT) / speed, values)
 
 
 def swerving(shift: float, length: float) -> Line:
@@ -74,7 +74,7 @@ def swerving(shift: float, length: float) -> Line:
     return Line(rows | {"left_lateral": aside, "right_lateral": aside})
 
 
-def scenes() -> list[Scene]:
+def scenes() -> list[CoachRun]:
     """Return curves, and straight track: smooth, rough, and with a place where flanges meet their rails."""
     cant, smooth = 0.15, line_of([straight(BEHIND + AHEAD)], -BEHIND)
     braked = {f"brake_torque_{number}": 15e3 for number in (1, 2, 3, 4)}
@@ -82,20 +82,20 @@ def scenes() -> list[Scene]:
     return [
         *(curve(radius, cant, name=f"curve {radius:g} m") for radius in (300.0, 800.0)),
         curve(500.0, cant, friction=0.5, name="curve 500 m, friction 0.5"),
-        Scene("straight, braked", smooth, 25.0, 8.0, braked),
-        Scene("straight, from 8 mm aside", smooth, 40.0, 4.0, steady | {"initial_lateral": 0.008}),
-        Scene("straight, rough (ERRI low)", irregular(smooth, ERRI_LOW, 1), 40.0, 6.0, steady),
-        Scene("straight, flange hits", swerving(0.015, 5.0), 30.0, 4.0, steady),
+        CoachRun("straight, braked", smooth, 25.0, 8.0, braked),
+        CoachRun("straight, from 8 mm aside", smooth, 40.0, 4.0, steady | {"initial_lateral": 0.008}),
+        CoachRun("straight, rough (ERRI low)", irregular(smooth, ERRI_LOW, 1), 40.0, 6.0, steady),
+        CoachRun("straight, flange hits", swerving(0.015, 5.0), 30.0, 4.0, steady),
     ]
 
 
-def peaks(scene: Scene, **values: float) -> np.ndarray:
+def peaks(scene: CoachRun, **values: float) -> np.ndarray:
     """Return the largest wheel load [N] and the largest Y/Q of all wheels."""
     table = scene.kernel(**values).record(scene.duration, INTERVAL, [*LOADS, *QUOTIENTS])
     return np.array([np.max([table[name] for name in names]) for names in (LOADS, QUOTIENTS)])
 
 
-def seconds(scene: Scene, repeats: int, **values: float) -> float:
+def seconds(scene: CoachRun, repeats: int, **values: float) -> float:
     """Return the processor time of a run, the least of several [s]."""
     taken = []
     for _ in range(repeats):
@@ -133,7 +133,7 @@ class RailsOutcome:
         return first, second
 
 
-def compare(scene: Scene, repeats: int) -> RailsOutcome:
+def compare(scene: CoachRun, repeats: int) -> RailsOutcome:
     """Return the results of a case on both kinds of rails."""
     rigid, yielding = (
         [float(peaks(scene, contact_damping=damping, **rails)[0]) for damping in DAMPINGS]
@@ -157,7 +157,7 @@ def rows_of(outcome: RailsOutcome) -> list[Row]:
     ]
 
 
-def shown_loads(scene: Scene) -> Recording:
+def shown_loads(scene: CoachRun) -> Recording:
     """Return the load of the outer leading wheel at the end of the case, on both kinds of rails [N]."""
     kept = DRAWN / scene.speed
     found = []

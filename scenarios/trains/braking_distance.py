@@ -15,10 +15,10 @@ from bogie_braking.reporting.plots import LEADING, TRAILING, one_word, single
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Bound, Report, Row, measured, near
 from bogie_braking.reporting.scenario import Options, Scenario, Sweepable
-from brake_controller.brake_weight import KILOMETRES_PER_HOUR, Case, stopping_distance
+from brake_controller.brake_weight import KILOMETRES_PER_HOUR, BrakingKind, stopping_distance
 from fmu_src.cosimulation.recording import Recording
 from scenarios.bench.shunting_stop import ONCE, PUBLISHED, SHIFTED, Array, distances
-from scenarios.benchmark.case import Point
+from scenarios.benchmark.case import CasePoint
 from scenarios.benchmark.case_file import CASES, read_case
 from scenarios.benchmark.own.percentage import answer
 
@@ -47,8 +47,8 @@ def one_stop(speed: float = 100.0, percentage: float = 65.0, length: float = 700
     """Return distances of a freight train [m], from a speed [km/h], with a percentage [%] and a length [m]
     (SUBSET-026).
     """
-    cases = {"emergency_p": Case.EMERGENCY_FREIGHT_P, "emergency_g": Case.EMERGENCY_FREIGHT_G}
-    cases |= {"service_p": Case.SERVICE_FREIGHT_P, "service_g": Case.SERVICE_FREIGHT_G}
+    cases = {"emergency_p": BrakingKind.EMERGENCY_FREIGHT_P, "emergency_g": BrakingKind.EMERGENCY_FREIGHT_G}
+    cases |= {"service_p": BrakingKind.SERVICE_FREIGHT_P, "service_g": BrakingKind.SERVICE_FREIGHT_G}
     start = speed / KILOMETRES_PER_HOUR
     return {name: stopping_distance(case, start, percentage, length) for name, case in cases.items()}
 
@@ -75,7 +75,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, histogram(found), lambda: draw(found), parameters, 0.0, said)
 
 
-def model_row(point: Point) -> Row:
+def model_row(point: CasePoint) -> Row:
     """Return one distance of the conversion model."""
     of: Mapping[str, Any] = point.inputs
     speed, percentage = KILOMETRES_PER_HOUR * of["speed"], 100 * of["percentage"]

@@ -18,7 +18,7 @@ from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist_file import consist_of
 from products.train.train import Train
-from scenarios.bench.train_runs import Course, seconds_of, stop
+from scenarios.bench.train_runs import TrainCourse, seconds_of, stop
 
 CARS, SPEED, LOOK = 60, 80.0 / 3.6, 5.0
 #: Commands: position of the driver's valve, and step.
@@ -33,7 +33,7 @@ HALF = 0.5
 class TrainStop:
     """A stop: its course, and the largest compression of a coupler [N]."""
 
-    course: Course
+    course: TrainCourse
     compression: float
 
     def at(self, of: str, time: float) -> NDArray[np.float64]:

@@ -16,7 +16,7 @@ from bogie_braking.reporting.report import Report, Row, at_least, at_most, measu
 from bogie_braking.reporting.scenario import Options, Scenario, Sweepable
 from products.train.train import Train
 from rbd_model.train.coupler import COUPLERS
-from scenarios.bench.train_runs import Course, build_up_time, follow, propagation, seconds_of, stop, train_of
+from scenarios.bench.train_runs import TrainCourse, build_up_time, follow, propagation, seconds_of, stop, train_of
 
 #: Lengths of the trains, of which a quick run has two [m], and speed [m/s].
 LENGTHS, SPEED = (400.0, 750.0, 1000.0, 1500.0), 100 / 3.6
@@ -41,7 +41,7 @@ class FreightTrain:
         values = {"position": position, "fast_from": fast_from, "coupler": COUPLERS[self.coupler]()}
         return Train(train_of(self.length, **values), speed=SPEED)
 
-    def run(self) -> tuple[Train, Course]:
+    def run(self) -> tuple[Train, TrainCourse]:
         train = self.train()
         train.drive(*COMMANDS[self.command])
         return train, stop(train)
@@ -81,7 +81,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, drawn["P"][1].recording(), lambda: draw(drawn), parameters, seconds, said)
 
 
-def judged_rows(done: Mapping[FreightTrain, tuple[Train, Course]], lengths: Sequence[float]) -> list[Row]:
+def judged_rows(done: Mapping[FreightTrain, tuple[Train, TrainCourse]], lengths: Sequence[float]) -> list[Row]:
     """Return the rows of the standard's limit of the wave speed, and of the order of positions and lengths."""
     fresh = FreightTrain(DRAWN, "P", "emergency").train()
     fresh.drive("emergency")
@@ -97,7 +97,7 @@ def judged_rows(done: Mapping[FreightTrain, tuple[Train, Course]], lengths: Sequ
     return rows
 
 
-def draw(drawn: Mapping[str, tuple[Train, Course]]) -> Figure:
+def draw(drawn: Mapping[str, tuple[Train, TrainCourse]]) -> Figure:
     slow, fast = (1e-3 * drawn[mode][0].largest_compression for mode in ("G", "P"))
     message = f"Emergency at {one_word(f'{DRAWN:g} m')}: couplers take {slow:.0f} kN in G, {fast:.0f} in P"
     titles = {f"{mode}: pressure in the pipe [bar]": "time [s]" for mode in drawn}

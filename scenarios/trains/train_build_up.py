@@ -16,17 +16,21 @@ from bogie_braking.reporting.plots import FOUR, charts, one_word
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, Row, at_least, at_most, measured
 from bogie_braking.reporting.scenario import Options, Scenario
-from brake_controller.brake_weight import Case
+from brake_controller.brake_weight import BrakingKind
 from brake_controller.brake_weight import build_up_time as formula
 from brake_controller.distributors.uic import filling_choke, freight
 from products.train.consist import Consist
 from products.train.numbers import Settings
 from products.train.train import Train
-from scenarios.bench.train_runs import Course, build_up_time, follow, propagation, train_of
+from scenarios.bench.train_runs import TrainCourse, build_up_time, follow, propagation, train_of
 
 #: Lengths by position [m]; mixed trains have five vehicles in G at their head.
 LENGTHS = {"P": (400.0, 500.0, 600.0), "G": (400.0, 600.0, 750.0, 900.0), "five in G": (900.0, 1200.0, 1500.0)}
-CASES = {"P": Case.EMERGENCY_FREIGHT_P, "G": Case.EMERGENCY_FREIGHT_G, "five in G": Case.EMERGENCY_FREIGHT_P}
+CASES = {
+    "P": BrakingKind.EMERGENCY_FREIGHT_P,
+    "G": BrakingKind.EMERGENCY_FREIGHT_G,
+    "five in G": BrakingKind.EMERGENCY_FREIGHT_P,
+}
 MODES = {"P": ("P", 0), "G": ("G", 0), "five in G": ("P", 5)}
 #: Volumes of branches with which the propagation is shown [m3].
 BRANCHES = (0.0, 4e-3)
@@ -34,7 +38,7 @@ BRANCHES = (0.0, 4e-3)
 VARIED, WATCHED = {"P": 600.0, "G": 750.0}, {"P": 60.0, "G": 90.0, "five in G": 90.0}
 
 
-def build_up(consist: Consist, mode: str, settings: Settings | None = None) -> tuple[float, Course]:
+def build_up(consist: Consist, mode: str, settings: Settings | None = None) -> tuple[float, TrainCourse]:
     """Run an emergency at rest; return the equivalent time [s], and the course."""
     train = Train(consist, settings=settings)
     train.drive("emergency")
@@ -155,7 +159,9 @@ def shift(mode: str, name: str) -> float:
     return changed - plain
 
 
-def draw(found: Mapping[tuple[str, float], tuple[float, Course]], moved: Mapping[tuple[str, str], float]) -> Figure:
+def draw(
+    found: Mapping[tuple[str, float], tuple[float, TrainCourse]], moved: Mapping[tuple[str, str], float]
+) -> Figure:
     physics, due = found["P", 600.0][0], formula(CASES["P"], 600.0)
     message = f"At {one_word('600 m')} P builds up in {physics:.1f} s, the formula in {one_word(f'{due:.1f} s')}"
     titles = {"equivalent build-up time [s]": "length [m]", "what is not known": "moves the build-up time by [s]"}

@@ -19,7 +19,7 @@ from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.train.coupler import COUPLERS, Coupler
 from scenarios.bench.mixed_train import spring
-from scenarios.bench.train_runs import Course, follow
+from scenarios.bench.train_runs import TrainCourse, follow
 
 #: Speeds [m/s], standing vehicles, of which the first has its brake applied, and initial gap [m].
 SPEEDS, STANDING, GAP = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0), 3, 1.0
@@ -28,7 +28,7 @@ STIFFNESS, CLOSED = 10e6, 1e-3
 LONG = 15.0
 
 
-def impact(coupler: Coupler, speed: float, standing: int = STANDING) -> tuple[Train, Course]:
+def impact(coupler: Coupler, speed: float, standing: int = STANDING) -> tuple[Train, TrainCourse]:
     """Run the last vehicle from behind, uncoupled; it is coupled at the first contact."""
     consist = Consist(block_train(standing, coupler=coupler).vehicles[: standing + 1])
     free = tuple(_rolling(vehicle, coupler) for vehicle in consist.vehicles)

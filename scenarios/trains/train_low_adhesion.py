@@ -19,7 +19,7 @@ from products.train.consist import Consist, coach, locomotive
 from products.train.train import Train
 from rbd_model.track.friction import RailCondition, dry, low
 from rbd_model.track.recovery import assumed_recovery
-from scenarios.bench.train_runs import Course, follow, seconds_of, stands
+from scenarios.bench.train_runs import TrainCourse, follow, seconds_of, stands
 
 COACHES, SPEED, INTERVAL = 7, 140 / 3.6, 0.02
 #: Slip above which the protection vents, and below which it applies again [1]; between both it holds.
@@ -75,7 +75,7 @@ def frictions(train: Train, rail: np.ndarray, way: Way) -> np.ndarray:
 class LowAdhesionStop:
     """A stop: its course, frictions under each vehicle by interval, and its air [kg]."""
 
-    course: Course
+    course: TrainCourse
     friction: np.ndarray
     air: float
 

@@ -12,7 +12,7 @@ from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, at_most, measured
 from bogie_braking.reporting.scenario import Options, Scenario
 from products.train.train import Train
-from scenarios.bench.train_runs import Course, follow, seconds_of, stands, train_of
+from scenarios.bench.train_runs import TrainCourse, follow, seconds_of, stands, train_of
 
 LENGTH, SPEED = 500.0, 80 / 3.6
 #: Places of parting, as a share of the vehicles; time at which the driver shuts the valve off, or infinity [s].
@@ -26,7 +26,7 @@ class Parting:
     """The open coupling, and the course from then on."""
 
     coupling: int
-    course: Course
+    course: TrainCourse
     train: Train
 
     @property

@@ -13,7 +13,7 @@ from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Measure, Report, at_least, at_most, between, measured, rows_of
 from bogie_braking.reporting.scenario import Options, Scenario
 from products.train.train import Train
-from scenarios.bench.train_runs import Course, follow, train_of
+from scenarios.bench.train_runs import TrainCourse, follow, train_of
 
 LENGTHS, SPEED = (400.0, 750.0, 1200.0), 80 / 3.6
 #: Duration of full service, of an overcharge before running, and of the simulation [s].
@@ -30,7 +30,7 @@ class Release:
     """A course that begins with the release, and the train at its end."""
 
     train: Train
-    course: Course
+    course: TrainCourse
 
     def released(self) -> np.ndarray:
         """Return the time at which each cylinder is empty [s]; infinity: not within the simulated time."""

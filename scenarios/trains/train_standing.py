@@ -19,7 +19,7 @@ from products.train.consist import Consist, block_train
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
-from scenarios.bench.train_runs import Course, follow, seconds_of
+from scenarios.bench.train_runs import TrainCourse, follow, seconds_of
 
 #: Gradients [1], diameters of the leaks of each cylinder, of which a quick run has the last [m], and wagons.
 GRADIENTS, LEAKS, WAGONS = (0.01, 0.025), (0.5e-3, 1e-3), 20
@@ -30,7 +30,7 @@ CREEP = 1e-3
 AMBIENT, GAS, WARM = 101325.0, 287.05287, 293.15
 
 
-def standing(gradient: float, leak: float) -> tuple[Train, Course]:
+def standing(gradient: float, leak: float) -> tuple[Train, TrainCourse]:
     """Run full service; then the driver's valve is shut off, the engine stops, and the pipe has no supply."""
     own = replace(freight(), cylinder_leak=leak)
     vehicles = tuple(replace(vehicle, distributor=own, valve_delay=-1.0) for vehicle in block_train(WAGONS).vehicles)
@@ -128,7 +128,7 @@ def run(options: Options, quick: bool = False) -> Report:
     return Report(rows, drawn[1].recording(), lambda: draw(found), parameters, seconds, said)
 
 
-def draw(found: dict[tuple[float, float], tuple[Train, Course]]) -> Figure:
+def draw(found: dict[tuple[float, float], tuple[Train, TrainCourse]]) -> Figure:
     labels = ["pressure in the cylinders, mean [bar]", "speed of the head [m/s]"]
     held = [float(course.time[-1]) / 60 for _, course in found.values()]
     figure, axes = panels(f"Air alone holds the train for {min(held):.0f} to {max(held):.0f} minutes", labels, 2.6)

@@ -19,7 +19,7 @@ from bogie_braking.reporting.scenario import Options, Scenario
 from products.train.consist_file import consist_of
 from products.train.train import Train
 from rbd_model.track.line import Line
-from scenarios.bench.train_runs import Course, follow, seconds_of
+from scenarios.bench.train_runs import TrainCourse, follow, seconds_of
 from scenarios.bench.train_runs import stop as stopped
 
 #: Friction between wheels and rail [1], the one of the message, and of a quick run; speed at the start [m/s].
@@ -58,7 +58,7 @@ def eddies(speed: float) -> float:
     return 30e3 * 2.0 * (3.6 * speed / 100.0) / (1.0 + (3.6 * speed / 100.0) ** 2)
 
 
-def alone(row: Mapping[str, Any], begin: float, end: float) -> Course:
+def alone(row: Mapping[str, Any], begin: float, end: float) -> TrainCourse:
     """Slow a coach without any other brake and resistance between two speeds [m/s], on a rail of friction 0.02."""
     bare = {"kind": "coach", "valve": "head", "brake": "none", "resistance_a": 0.0}
     rises = {name: 0.0 for name in ("magnetic_rise", "eddy_rise") if name.partition("_")[0] in "".join(row)}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bogie_braking.controllers.estimate import Sample, less, sample_of
-from bogie_braking.controllers.scoring import LOOKS, Plan
+from bogie_braking.controllers.scoring import LOOKS, DrawsPlan
 from bogie_braking.controllers.verdict import differs, level_of
 from products.machine import bogie
 from products.protection.programme import Case
@@ -75,7 +75,7 @@ def test_the_best_of_many_equal_controllers_is_told_apart_in_at_most_5_percent()
 
 
 def test_a_comparison_may_end_at_most_as_often_as_its_intervals_allow() -> None:
-    looks = {most: Plan(most=most).looks for most in (1, 8, 16, 64, 65, 1000, 10_000)}
+    looks = {most: DrawsPlan(most=most).looks for most in (1, 8, 16, 64, 65, 1000, 10_000)}
     assert [looks[most] for most in (1, 8, 16, 64, 1000)] == [(1,), (8,), (8, 16), LOOKS, (8, 40, 200, 1000)]
     assert all(len(one) <= len(LOOKS) and one[-1] == most for most, one in looks.items())
 

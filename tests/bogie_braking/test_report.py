@@ -27,7 +27,7 @@ from bogie_braking.controllers.acceptance import (
 )
 from bogie_braking.controllers.acceptance import findings as found_in
 from bogie_braking.controllers.report_text import NO_CLAIM, headline, lines
-from bogie_braking.controllers.scoring import Scored
+from bogie_braking.controllers.scoring import ScoredController
 from products.protection.criteria import CRITERIA, MEASURES, Criterion, check_scopes, read_criteria
 from products.protection.programme import OWN, Case, read_programme
 from products.protection.runs import Stop
@@ -89,7 +89,7 @@ source = "assumed"
 
 def result(name: str = "low", **changes: Any) -> CaseResult:
     case = Case(name, "low", group=name)
-    return CaseResult(case, Scored(name, "mine", replace(STOP, **changes), 0.46, 100.0, 100.0), DRY)
+    return CaseResult(case, ScoredController(name, "mine", replace(STOP, **changes), 0.46, 100.0, 100.0), DRY)
 
 
 def drawn(*distances: float) -> CaseResult:
@@ -97,7 +97,7 @@ def drawn(*distances: float) -> CaseResult:
     stops = tuple(replace(STOP, distance=one) for one in distances)
     mean = sum(distances) / len(distances)
     draws = (Draw(1.0, 1.0, (), 1),) * len(stops)
-    score = Scored("low", "mine", replace(STOP, distance=mean), 0.46, 100.0, 100.0, stops=stops, draws=draws)
+    score = ScoredController("low", "mine", replace(STOP, distance=mean), 0.46, 100.0, 100.0, stops=stops, draws=draws)
     return CaseResult(Case("low", "low"), score, DRY)
 
 
@@ -155,7 +155,7 @@ def test_an_interval_that_holds_the_limit_decides_nothing() -> None:
 
 def test_the_worst_draw_decides_where_no_mean_does() -> None:
     stops = tuple(replace(STOP, commands=of) for of in (0, 0, 0, 1))
-    score = Scored("low", "mine", STOP, 0.46, 100.0, 100.0, stops=stops)
+    score = ScoredController("low", "mine", STOP, 0.46, 100.0, 100.0, stops=stops)
     [_, one] = found_in([CaseResult(Case("low", "low"), score, DRY)], [Criterion("a", "commands", 0.0, True)], 1)
     assert (one.value, one.verdict) == (1.0, FAILS)
 

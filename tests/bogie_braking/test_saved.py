@@ -14,7 +14,7 @@ import pytest
 from bogie_braking.controllers.table import write_document
 from bogie_braking.reporting.plots import single
 from bogie_braking.reporting.report import Report, Row, at_most, exchange, save
-from bogie_braking.reporting.saved import Run, Sweep, read
+from bogie_braking.reporting.saved import SavedRun, Sweep, read
 from fmu_src.cosimulation.recording import Recording
 
 MUTATIONS = 2000
@@ -48,7 +48,7 @@ SWEPT: Summary = {
 }
 
 
-def read_back(folder: Path, summary: Summary) -> Run | Sweep:
+def read_back(folder: Path, summary: Summary) -> SavedRun | Sweep:
     (folder / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
     return read(folder)
 
@@ -62,7 +62,7 @@ def row(number: int, **values: Any) -> Callable[[Summary], Summary]:
 
 def test_what_was_saved_is_read_back(summary: Summary, tmp_path: Path) -> None:
     found = read_back(tmp_path, summary)
-    assert isinstance(found, Run)
+    assert isinstance(found, SavedRun)
     assert (found.name, found.wall_seconds, found.holds) == ("levels", 2.5, False)
     assert [one["holds"] for one in found.rows] == [True, False, None]
     assert found.rows[0]["deviation"] == 1.0 - 1.1

@@ -12,7 +12,7 @@ import pytest
 
 import bogie_braking as bb
 from bogie_braking.vehicle_files import hunting
-from bogie_braking.vehicle_files.check import Check, Hunting
+from bogie_braking.vehicle_files.check import Hunting, VehicleCheck
 from bogie_braking.vehicle_files.hunting import (
     FASTEST,
     FRICTION,
@@ -107,7 +107,7 @@ def test_a_search_that_ends_below_the_hunting_finds_no_speed(monkeypatch: pytest
 
 def test_the_table_names_speeds_profiles_and_dampers_and_says_up_to_which_speed_nothing_hunts(tmp_path: Path) -> None:
     sheet = replace(with_profiles(tmp_path), assumed={"lateral_damping": "as the coach"})
-    check = Check(sheet, (), (), Hunting(linear_speed(), math.inf, START), None)
+    check = VehicleCheck(sheet, (), (), Hunting(linear_speed(), math.inf, START), None)
     assert check.hunting
     _, _, rows = critical_table(check, check.hunting)
     cells = {row[0]: row[1:] for row in rows}

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 
 from bogie_braking.controllers.picture import draw, message
-from bogie_braking.controllers.scoring import CONTACT, WORN, Scored, together
+from bogie_braking.controllers.scoring import CONTACT, WORN, ScoredController, together
 from bogie_braking.controllers.table import cells, rows_of
 from bogie_braking.controllers.verdict import document, lines, messages, verdicts
 from bogie_braking.reporting.plots import plt
@@ -28,12 +28,12 @@ RATIOS = {
 }
 
 
-def scored(case: str, controller: str, ratio: float | None, ideal: float | None = 100.0) -> Scored:
+def scored(case: str, controller: str, ratio: float | None, ideal: float | None = 100.0) -> ScoredController:
     distance = None if ratio is None else 100.0 * ratio
-    return Scored(case, controller, replace(STOP, distance=distance), 0.46, ideal, None)
+    return ScoredController(case, controller, replace(STOP, distance=distance), 0.46, ideal, None)
 
 
-def scores(*names: str, cases: int = 4) -> list[Scored]:
+def scores(*names: str, cases: int = 4) -> list[ScoredController]:
     return [scored(f"case {n}", name, RATIOS[name][n]) for n in range(cases) for name in names]
 
 
@@ -89,9 +89,9 @@ def test_a_controller_that_fails_where_alone_wheels_slide_is_said_to_fail() -> N
     assert message([*rolls, scored("low", "Mine", None)]) == "Mine stops in 1 of 2 cases"
 
 
-def drawn(case: str, controller: str, *ratios: float) -> Scored:
+def drawn(case: str, controller: str, *ratios: float) -> ScoredController:
     stops = [replace(STOP, distance=100.0 * ratio) for ratio in ratios]
-    return Scored(case, controller, together(stops), 0.46, 100.0, None, stops=tuple(stops))
+    return ScoredController(case, controller, together(stops), 0.46, 100.0, None, stops=tuple(stops))
 
 
 def test_controllers_whose_difference_is_within_its_interval_cannot_be_told_apart() -> None:
@@ -125,7 +125,7 @@ def test_stops_of_all_draws_are_one_in_the_table() -> None:
     draws = [replace(STOP, distance=d, longest_lock=lock) for d, lock in ((100.0, 0.5), (104.0, 0.1), (99.0, 0.2))]
     one = together(draws)
     assert (one.distance, one.longest_lock, one.air) == (101.0, 0.5, pytest.approx(0.1))
-    scored = Scored("a", "PI", one, 0.46, 100.0, None, stops=tuple(draws))
+    scored = ScoredController("a", "PI", one, 0.46, 100.0, None, stops=tuple(draws))
     half = 4.302653 * math.sqrt(7.0 / 3)  # of Student's t with 2 degrees of freedom, variance 7
     assert scored.distance
     assert scored.distance.half == pytest.approx(half)
@@ -156,7 +156,7 @@ def test_harm_is_told_where_no_wheel_slides() -> None:
 def test_what_is_not_judged_is_no_score_and_is_told() -> None:
     """It is not counted as a failure, and leaving out a hard case does not make its controller the best."""
     hung = replace(STOP, distance=None, judged=False, message="PI gave no answer.", longest_lock=60.0)
-    silent = Scored("case 3", "PI", hung, 0.46, 100.0, None)
+    silent = ScoredController("case 3", "PI", hung, 0.46, 100.0, None)
     given = [*scores("PI", cases=3)[:3], silent, *scores("none")]
     pi, none = verdicts(given)
     assert (pi.stopped, pi.failed, pi.not_judged, pi.locked, pi.longest_lock) == (3, 0, 1, 3, 0.5)
@@ -211,7 +211,7 @@ def test_the_table_has_a_row_for_each_controller() -> None:
         ([scored("a", "PI", 1.0, ideal=None)], "PI stops"),
     ],
 )
-def test_the_title_is_the_message_in_twelve_words(given: list[Scored], title: str) -> None:
+def test_the_title_is_the_message_in_twelve_words(given: list[ScoredController], title: str) -> None:
     figure = draw(given)
     assert figure.get_suptitle() == message(given) == title
     assert len(title.split()) <= 12
@@ -253,7 +253,7 @@ def test_a_flat_grows_as_its_own_contact_wears(skid: float) -> None:
         return lost / (width * length**2 / (4 * radius))
 
     found = solve_ivp(growth, (0.0, skid), [CONTACT], rtol=1e-10, atol=1e-12)
-    one = Scored("low", "none", replace(STOP, longest_skid=skid), radius, None, None)
+    one = ScoredController("low", "none", replace(STOP, longest_skid=skid), radius, None, None)
     assert one.flat == pytest.approx(found.y[0, -1], rel=1e-7)
     assert one.flat != pytest.approx(math.sqrt(CONTACT**2 + 8.1 * radius * WORN * skid), rel=1e-7)
     assert replace(one, stop=replace(STOP, longest_skid=0.0)).flat == 0.0

@@ -16,7 +16,7 @@ from numpy.polynomial import Polynomial
 import bogie_braking as bb
 from fmu_src.system import System
 from rbd_model.body.kinematics import direction_cosines
-from rbd_model.contact.bearing import APPROACHES, DEEPEST, IN_CONTACT, Contour, bearing_of, overlaps_at
+from rbd_model.contact.bearing import APPROACHES, DEEPEST, IN_CONTACT, PartContour, bearing_of, overlaps_at
 from rbd_model.contact.distance import Stand
 from rbd_model.contact.geometry import Pair, Side, Sides, european_pair, synthetic_pair
 from rbd_model.contact.normal import Steel
@@ -57,8 +57,8 @@ def flat_rail() -> Profile:
     return from_points("line", "closed form", y, np.zeros_like(y))
 
 
-def contour(height: np.ndarray, place: np.ndarray) -> Contour:
-    return Contour(0.0, place, place, height, height, flat_rail(), 0.46)
+def contour(height: np.ndarray, place: np.ndarray) -> PartContour:
+    return PartContour(0.0, place, place, height, height, flat_rail(), 0.46)
 
 
 @pytest.mark.parametrize("curvature", [0.3, 5.0, 60.0])
@@ -94,7 +94,7 @@ def test_a_wall_at_the_end_of_a_rail_bears_one_point() -> None:
     """A wall of 24:1 is so steep that all depths are DEEPEST."""
     y, place = np.linspace(-30e-3, 30e-3, 601), np.arange(29.1e-3, 40e-3, 0.04e-3)
     rail = from_points("wall", "closed form", y, 24.0 * np.maximum(29e-3 - y, -1e-3))
-    found = overlaps_at(Contour(0.0, place, place, 0 * place, 0 * place, rail, 0.46), 0.0)
+    found = overlaps_at(PartContour(0.0, place, place, 0 * place, 0 * place, rail, 0.46), 0.0)
     assert found is not None
     assert all(math.isfinite(one.height) and one.stiffness > 0.0 for one in found)
 
@@ -229,7 +229,7 @@ def test_a_table_ends_without_stiffness() -> None:
     place = np.arange(-20e-3, 20e-3, 0.04e-3)
     offsets = np.arange(-2e-3, 2e-3, 0.1e-3)
     depth = np.asarray(one.wheel.height(place))
-    found = bearing_of(Contour(0.0, place, place, depth, depth, one.rail, one.radius), offsets)
+    found = bearing_of(PartContour(0.0, place, place, depth, depth, one.rail, one.radius), offsets)
     for breakpoints, rows in (found.at_first, found.in_contact):
         assert breakpoints.size == len(rows) + 1 == offsets.size - 2
     stiffness = [Polynomial(row[4:8])(0.0) for row in found.in_contact[1]]

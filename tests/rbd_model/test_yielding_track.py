@@ -15,7 +15,7 @@ from products.registry import model_of
 from rbd_model.linear import reduced_jacobian
 from rbd_model.track.irregularity import ballasted_track
 from rbd_model.vehicle.parameters import manchester_vehicle_1
-from scenarios.lines.flexible_track import RIGID, Scene, curve, peaks
+from scenarios.lines.flexible_track import RIGID, CoachRun, curve, peaks
 
 #: Limit of the change of peaks over tolerances and contact dampings, at most 7.1e-5 in 220 curves, and least change on
 #: rigid rails.
@@ -40,7 +40,7 @@ STATIC_BAND = 1e-3
 STIFF_BAND = 1e-3
 
 
-def spread(scene: Scene, variants: tuple[tuple[float, float], ...]) -> np.ndarray:
+def spread(scene: CoachRun, variants: tuple[tuple[float, float], ...]) -> np.ndarray:
     """Return the relative changes of the largest wheel load and of the largest Y/Q from those with the default."""
     first, *others = (peaks(scene, tolerance=one, contact_damping=other) for one, other in (DEFAULT, *variants))
     return np.asarray(np.max(np.abs(np.array(others) / first - 1), axis=0))
@@ -71,7 +71,7 @@ def test_no_curve_makes_peaks_hang_on_the_tolerance_or_on_the_damping_of_contact
             assert np.all(found < PEAK_BAND), (cant, deficiency, found.tolist())
 
 
-def settled(scene: Scene = ORDINARY, **values: float) -> Kernel:
+def settled(scene: CoachRun = ORDINARY, **values: float) -> Kernel:
     """Return the coach in the steady state of its curve."""
     kernel = scene.kernel(tolerance=1e-7, **values)
     kernel.advance(scene.duration)

@@ -21,7 +21,7 @@ STRESS_FLOOR = 1e-12
 
 
 @dataclass(frozen=True)
-class Cells:
+class StripCells:
     """n strips of n cells: equal angles across the ellipse (y = b sin), equal lengths along each strip.
 
     `offsets` are y/b of the strips; `half_lengths` are over a. `strip_weights` and `cell_weights` add up to the whole
@@ -46,7 +46,7 @@ class Cells:
 
 
 @lru_cache
-def cells(count: int, whole: bool = False) -> Cells:
+def cells(count: int, whole: bool = False) -> StripCells:
     """Return the cells of Kalker (1982), with strips at equal angles.
 
     whole: the stress of a cell has grown over the whole of it, not up to its middle.
@@ -63,7 +63,7 @@ def cells(count: int, whole: bool = False) -> Cells:
     total = strip_weights.sum() * cell_weights.sum()
     # A stress that grows from the leading edge with slope 1/R, over R^2: in the sums, and in the integral 2/(2 pi/4).
     found = np.sum(half_lengths**3) * np.sum(1 - reached) / total
-    return Cells(
+    return StripCells(
         tuple(offsets.tolist()),
         tuple(half_lengths.tolist()),
         tuple((strip_weights / strip_weights.sum()).tolist()),
@@ -145,7 +145,7 @@ def fastsim(count: int) -> CreepLaw:
 Marched = Callable[[float, float], list[tuple[ca.SX, ca.SX]]]
 
 
-def summed(grid: Cells, limit: ca.SX, marched: Marched) -> tuple[ca.SX, ca.SX]:
+def summed(grid: StripCells, limit: ca.SX, marched: Marched) -> tuple[ca.SX, ca.SX]:
     """Return the forces (F_x, F_y) [N] of the stresses of all strips, Kalker (1982)."""
     x, y = ca.SX(0), ca.SX(0)
     for offset, half_length, weight in zip(grid.offsets, grid.half_lengths, grid.strip_weights, strict=True):
@@ -160,7 +160,7 @@ Left = Callable[[float, float], ca.SX | float]
 
 
 def march(
-    grid: Cells, rigid: Rigid, offset: float, half_length: float, left: Left | None = None
+    grid: StripCells, rigid: Rigid, offset: float, half_length: float, left: Left | None = None
 ) -> list[tuple[ca.SX, ca.SX]]:
     """Return stresses of one strip from its leading edge on: grown by the rigid slip, cut to the bound.
 

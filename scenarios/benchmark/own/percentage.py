@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from brake_controller.brake_weight import Case, stopping_distance
+from brake_controller.brake_weight import BrakingKind, stopping_distance
 
 
 def answer(inputs: Mapping[str, Any]) -> dict[str, float]:
@@ -16,7 +16,7 @@ def answer(inputs: Mapping[str, Any]) -> dict[str, float]:
     return {"distance": stopping_distance(kind, inputs["speed"], 100 * inputs["percentage"], inputs["length"])}
 
 
-def case_of(inputs: Mapping[str, Any]) -> Case | None:
+def case_of(inputs: Mapping[str, Any]) -> BrakingKind | None:
     """Return the kind of braking; None without constants, as for a passenger train in G."""
     name = "_".join((inputs["braking"], inputs["train"], inputs["position"])).upper()
-    return Case.__members__.get(name)
+    return BrakingKind.__members__.get(name)

@@ -12,8 +12,8 @@ import numpy as np
 from evidence.chapter3.creep import Ellipse
 from evidence.chapter3.euler import cross, from_angles
 from evidence.chapter3.forces import BodyMotion
-from evidence.chapter3.kinematic_analysis import Frame, Wheelset, centred, drive_to
-from evidence.chapter3.mechanism import FIRST_WHEELSET, Answer, Inputs, Mechanism, State
+from evidence.chapter3.kinematic_analysis import DrivenPosition, Frame, centred, drive_to
+from evidence.chapter3.mechanism import FIRST_WHEELSET, Mechanism, MechanismInputs, MechanismState, Solution
 from fmu_src.kernel import DISCARD, Kernel, Library, SimulationError
 from fmu_src.system import System, model_of
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
@@ -127,9 +127,11 @@ def mechanism_of(of: Machine, scene: Mapping[str, float]) -> Mechanism:
     )
 
 
-def inputs_of(scene: Mapping[str, float]) -> Inputs:
+def inputs_of(scene: Mapping[str, float]) -> MechanismInputs:
     rows = {"brake_torque": 0.0, "traction_torque": 0.0, "yaw_torque": 0.0, "friction": 0.3}
-    return Inputs(*[[scene.get(f"{name}_{n}", default) for n in (1, 2, 3, 4)] for name, default in rows.items()])
+    return MechanismInputs(
+        *[[scene.get(f"{name}_{n}", default) for n in (1, 2, 3, 4)] for name, default in rows.items()]
+    )
 
 
 def motion_of(of: Machine, body: str, motion: str) -> str:
@@ -160,7 +162,7 @@ def frames_of(snapshot: Snapshot, mechanism: Mechanism) -> list[Frame]:
     return found
 
 
-def state_of(snapshot: Snapshot, mechanism: Mechanism) -> State:
+def state_of(snapshot: Snapshot, mechanism: Mechanism) -> MechanismState:
     """Return the same state in the coordinates of chapter 3."""
     v = snapshot.value
     frames = frames_of(snapshot, mechanism)
@@ -170,7 +172,7 @@ def state_of(snapshot: Snapshot, mechanism: Mechanism) -> State:
     first = snapshot.machine.bodies[0]
     driven = []
     for number in range(1, mechanism.wheelsets + 1):
-        one = Wheelset(
+        one = DrivenPosition(
             v[f"{first}_distance"] + mechanism.place(number - 1) + v[f"shift_{number}"],
             *(v[f"{name}_{number}"] for name in ("lateral", "yaw", "rotation")),
             v[f"{first}_speed"] + v[f"shift_speed_{number}"],
@@ -190,7 +192,7 @@ def state_of(snapshot: Snapshot, mechanism: Mechanism) -> State:
     return state
 
 
-def accelerations_of(of: Machine, state: State, answer: Answer, mechanism: Mechanism) -> dict[str, float]:
+def accelerations_of(of: Machine, state: MechanismState, answer: Solution, mechanism: Mechanism) -> dict[str, float]:
     """Return accelerations by the names of the fast model's states, absolute ones along the track [m/s2, rad/s2]."""
     out = {}
     for number, name in enumerate(of.bodies, mechanism.frame):
@@ -208,7 +210,9 @@ def accelerations_of(of: Machine, state: State, answer: Answer, mechanism: Mecha
     return out
 
 
-def rates_of(mechanism: Mechanism, number: int, state: State, answer: Answer) -> tuple[np.ndarray, np.ndarray, float]:
+def rates_of(
+    mechanism: Mechanism, number: int, state: MechanismState, answer: Solution
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Return rates of a body's velocity [m/s2] and angular velocity [rad/s2].
 
     The angular rates are those in the body's own axes, and the third component in axes that do not pitch with it.

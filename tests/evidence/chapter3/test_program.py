@@ -11,8 +11,15 @@ from evidence.chapter3 import mechanism as mechanisms
 from evidence.chapter3 import program
 from evidence.chapter3.constraints import quadratic_terms
 from evidence.chapter3.euler import norm_error
-from evidence.chapter3.kinematic_analysis import Wheelset, centred, drive_to, frames_at_rest, rolling, rolling_radii
-from evidence.chapter3.mechanism import FIRST_WHEELSET, Inputs, Mechanism, State
+from evidence.chapter3.kinematic_analysis import (
+    DrivenPosition,
+    centred,
+    drive_to,
+    frames_at_rest,
+    rolling,
+    rolling_radii,
+)
+from evidence.chapter3.mechanism import FIRST_WHEELSET, Mechanism, MechanismInputs, MechanismState
 from evidence.chapter3.partition import NoSolutionError, choose
 from evidence.chapter3.program import run, spin, step
 from fmu_src.kernel import Kernel, SimulationError
@@ -62,7 +69,7 @@ def test_what_chapter_3_does_not_have_is_refused_with_a_sentence(values: dict[st
 SPEED = 40.0
 
 
-def wheelset_on_a_wave() -> tuple[Mechanism, State]:
+def wheelset_on_a_wave() -> tuple[Mechanism, MechanismState]:
     track = derivatives_along(
         replace(section_5_3(), lateral_irregularity=2e-3, lateral_wave_number=0.2, irregularity_start=0.0)
     )
@@ -74,7 +81,7 @@ def test_constraints_hold_and_euler_parameters_keep_their_norm() -> None:
     """Eqs (3.6), (3.107)-(3.124): at every step, over more than one revolution of the wheel."""
     mechanism, begin = wheelset_on_a_wave()
     residuals, norms = [], []
-    for state in run(mechanism, begin, 0.075, 1e-3, lambda time: Inputs()):
+    for state in run(mechanism, begin, 0.075, 1e-3, lambda time: MechanismInputs()):
         c, jacobian = mechanism.constraints(state.time, state.q, state.s)
         rates = np.concatenate([state.q_rate, state.s_rate])
         residuals.append(max(np.abs(c).max(), np.abs(jacobian @ rates).max()))
@@ -92,7 +99,7 @@ def test_rails_with_irregularities_do_no_work(whole: bool, monkeypatch: pytest.M
     track = derivatives_along(replace(section_5_3(), irregularity_start=-1.0, cross_level_centre=5.0, **waves))
     parameters = replace(as_printed(tables_4_1_and_4_2()), rolling_resistance_torque=0.0)
     mechanism = Mechanism(parameters, thesis_pair(), 1, track)
-    state, size, smooth = rolling(mechanism, 15.0), 1e-3, Inputs(friction=(0.0, 0.0))
+    state, size, smooth = rolling(mechanism, 15.0), 1e-3, MechanismInputs(friction=(0.0, 0.0))
     if not whole:
         monkeypatch.setattr(mechanisms, "quadratic_terms", lambda *given: 0.999 * quadratic_terms(*given))
     states = [state, *run(mechanism, state, 0.03, size, lambda time: smooth)]
@@ -101,7 +108,7 @@ def test_rails_with_irregularities_do_no_work(whole: bool, monkeypatch: pytest.M
     assert (np.ptp(found[::2] - np.append(0.0, given)) < ENERGY_BAND * found[0]) == whole
 
 
-def energy_and_power(mechanism: Mechanism, state: State) -> tuple[float, float]:
+def energy_and_power(mechanism: Mechanism, state: MechanismState) -> tuple[float, float]:
     """Return kinetic and potential energy of all bodies [J], and the power of the suspension [W]."""
     motions, p, pushed = mechanism.motions(state.q, state.q_rate), mechanism.parameters, np.zeros(mechanism.q_count)
     mechanism.suspend(pushed, motions)
@@ -125,12 +132,12 @@ def test_fixed_partition_fails_near_half_a_turn_and_a_new_one_passes() -> None:
 
     def go_on() -> None:
         while reached[-1].time < 2 * half_turn:
-            reached.append(step(mechanism, reached[-1], 1e-3, lambda time: Inputs(), fixed))
+            reached.append(step(mechanism, reached[-1], 1e-3, lambda time: MechanismInputs(), fixed))
 
     with pytest.raises(NoSolutionError, match="badly partitioned"):
         go_on()
     assert 0.9 * half_turn < reached[-1].time < 1.1 * half_turn
-    *_, last = run(mechanism, begin, 2 * half_turn, 1e-3, lambda time: Inputs())
+    *_, last = run(mechanism, begin, 2 * half_turn, 1e-3, lambda time: MechanismInputs())
     assert last.time == pytest.approx(2 * half_turn, abs=1e-3)
 
 
@@ -139,7 +146,7 @@ def test_held_speed_stays() -> None:
     track = derivatives_along(replace(section_5_3(), vertical_irregularity=5e-3, irregularity_start=0.0))
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, track, speed=15.0)
     begin = rolling(Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, track), 15.0)
-    *_, state = run(mechanism, begin, 0.05, 1e-3, lambda time: Inputs(brake_torque=(3e3,)))
+    *_, state = run(mechanism, begin, 0.05, 1e-3, lambda time: MechanismInputs(brake_torque=(3e3,)))
     frame = mechanism.body(mechanism.frame)
     assert state.q[frame][0] == pytest.approx(0.75, abs=1e-12)
     assert state.q_rate[frame][0] == pytest.approx(15.0, abs=1e-11)
@@ -151,7 +158,7 @@ def test_locked_wheelset_is_that_of_the_fast_model() -> None:
     table = fast.record(0.05, 1e-4, ["locked_1", "speed", "distance"])
     locked_at = table["time"][int(np.argmax(table["locked_1"]))]
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, ellipse=fitted_ellipse)
-    inputs = Inputs(brake_torque=(25e3,), friction=(0.1,))
+    inputs = MechanismInputs(brake_torque=(25e3,), friction=(0.1,))
     states = list(run(mechanism, rolling(mechanism, 2.5), 0.05, 1e-4, lambda time: inputs))
     first = next(state for state in states if state.direction[0] == 0)
     assert 0.01 < locked_at < 0.04
@@ -167,20 +174,22 @@ def test_first_of_two_wheelsets_that_stop_within_a_step_ends_it(monkeypatch: pyt
     mechanism = Mechanism(as_printed(tables_5_1_and_5_2()), thesis_pair(), 2)
     begin = rolling(mechanism, 3.0)
 
-    def after(mechanism: Mechanism, state: State, size: float, drive: object) -> State:
+    def after(mechanism: Mechanism, state: MechanismState, size: float, drive: object) -> MechanismState:
         return replace(state, time=state.time + size)
 
     monkeypatch.setattr(program, "step", after)
     for stops in ((0.5, 0.8), (0.8, 0.5)):
         monkeypatch.setattr(program, "spin", lambda m, state, n, stops=stops: stops[n] ** 3 - state.time**3)
-        found = program.until_a_wheel_stops(mechanism, begin, 1.0, lambda time: Inputs(brake_torque=(1e4, 1e4)))
+        found = program.until_a_wheel_stops(
+            mechanism, begin, 1.0, lambda time: MechanismInputs(brake_torque=(1e4, 1e4))
+        )
         assert found.time == pytest.approx(0.5, abs=1e-5)
 
 
 def test_weak_brake_lets_a_standing_wheelset_go() -> None:
     """A locked wheelset turns again if its brake is reduced below the torque of the rail."""
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1)
-    strong, weak = Inputs(brake_torque=(25e3,)), Inputs(brake_torque=(100.0,))
+    strong, weak = MechanismInputs(brake_torque=(25e3,)), MechanismInputs(brake_torque=(100.0,))
     *_, state = run(mechanism, rolling(mechanism, 3.0), 0.11, 5e-4, lambda time: strong if time < 0.08 else weak)
     assert state.direction[0] == 1
     assert spin(mechanism, state, 0) > 1.0
@@ -189,8 +198,8 @@ def test_weak_brake_lets_a_standing_wheelset_go() -> None:
 # -- kinematic analysis, eqs (3.79), (3.80) ----------------------------------------------------------------------
 
 
-def shifted(mechanism: Mechanism, lateral: float, near: np.ndarray) -> State:
-    return drive_to(mechanism, [Wheelset(lateral=lateral)], frames_at_rest(mechanism), near)
+def shifted(mechanism: Mechanism, lateral: float, near: np.ndarray) -> MechanismState:
+    return drive_to(mechanism, [DrivenPosition(lateral=lateral)], frames_at_rest(mechanism), near)
 
 
 def test_rolling_radius_difference_is_that_of_the_contact_search() -> None:

@@ -22,8 +22,8 @@ HEADERS = ("rig.h", "pipe.h", "status.h", "batch.h")
 MIRRORED: dict[str, type[ctypes.Structure]] = {
     "encoder_settings": rig_in_c.SensorSettings,
     "rig_settings": rig_in_c.RigSettings,
-    "rig_wheelset": rig_in_c.Wheelset,
-    "rig_notes": rig_in_c.Notes,
+    "rig_wheelset": rig_in_c.RigWheelset,
+    "rig_notes": rig_in_c.RigNotes,
     "rig_desk": rig_in_c.Desk,
     "rig_controller": controller_kinds.FunctionsInC,
     "pipe_outside": library.OutsideInC,

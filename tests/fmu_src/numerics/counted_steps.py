@@ -18,7 +18,7 @@ import numpy as np
 from fmpy import extract, read_model_description
 
 from fmu_src import compile as compiling
-from products.dry_stops import Stop
+from products.dry_stops import DryStop
 from products.kernel_runs import value_at
 
 #: Types in `counting_host.c` by types of FMI.
@@ -49,7 +49,7 @@ class Steps:
         return float(self.instructions.max()) / self.median
 
 
-def make_steps(fmu: Path, stop: Stop, counted: bool = False, guard: str | None = None) -> Steps:
+def make_steps(fmu: Path, stop: DryStop, counted: bool = False, guard: str | None = None) -> Steps:
     """Make the steps of a stop on a native FMU, with logging off; counted: under valgrind.
 
     guard: "guarded": a system call within a step ends the host. "calling": the host also makes such a call.
@@ -92,7 +92,7 @@ def total_of(part: str) -> str:
     return found[1] if found and found[1] != "0" else ""
 
 
-def plan_of(fmu: Path, unpacked: Path, stop: Stop) -> str:
+def plan_of(fmu: Path, unpacked: Path, stop: DryStop) -> str:
     """Return the plan that `counting_host.c` reads."""
     about = read_model_description(str(fmu))
     known = {v.name: f"{KINDS[v.type]}{v.valueReference}" for v in about.modelVariables if v.type in KINDS}

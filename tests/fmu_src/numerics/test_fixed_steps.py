@@ -14,7 +14,7 @@ import pytest
 from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, Library, SimulationError
 from fmu_src.system import System, Variable, model_of
-from products.dry_stops import Stop, stop_of
+from products.dry_stops import DryStop, stop_of
 from products.kernel_runs import prepare, value_at
 from tests.conftest import Fmus
 from tests.fmu_src.numerics.counted_steps import CASES, HostError, Steps, make_steps
@@ -31,7 +31,7 @@ def small(write: Callable[[System], None], tolerance: float = 1e-2) -> Library:
     return Library(build_library(model_of(system, tolerance)))
 
 
-def stopped(stop: Stop, host_step: float = 1e-2, **values: float) -> Kernel:
+def stopped(stop: DryStop, host_step: float = 1e-2, **values: float) -> Kernel:
     """Return a bogie at the end of a stop; its inputs are ramps within each communication step."""
     kernel = prepare("bogie", **stop.values | values)
     kernel.set(**{name: value_at(history, 0.0, after=True) for name, history in stop.inputs.items()})
@@ -95,7 +95,7 @@ def test_steps_take_no_memory_and_no_lock_and_call_no_system(fmus: Fmus, case: s
     stop = stop_of(wheelsets, **chosen)
     for step in (1e-3, 0.0):
         values = {**stop.values, "integration_step": step}
-        steps = make_steps(fmus[name, "native"], Stop(values, stop.inputs, stop.seconds, stop.read), guard="guarded")
+        steps = make_steps(fmus[name, "native"], DryStop(values, stop.inputs, stop.seconds, stop.read), guard="guarded")
         assert steps.memory[0] > 0
         assert steps.memory[1] == steps.locks[1] == 0
     with pytest.raises(HostError, match="ended with -9"):

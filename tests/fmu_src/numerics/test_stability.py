@@ -18,7 +18,7 @@ from evidence.measuring.stability import (
     RUNGE_KUTTA,
     SETTLING,
     SPATIAL,
-    Machine,
+    DrivenVehicle,
     amplification_of_rk4,
     boundary,
     growth_of_perturbation,
@@ -38,7 +38,9 @@ NEGATIVE_AXIS, IMAGINARY_AXIS = 2.7852935634, 2.0**1.5
 
 @pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.name)
 @pytest.mark.parametrize("speed", SPEEDS)
-def test_explicit_steps_are_stable_below_the_predicted_limit_and_unstable_above(machine: Machine, speed: float) -> None:
+def test_explicit_steps_are_stable_below_the_predicted_limit_and_unstable_above(
+    machine: DrivenVehicle, speed: float
+) -> None:
     step = limit(machine, speed)
     for share in (0.9, 1.1):
         grown = growth_of_perturbation(machine, speed, share * step, RUNGE_KUTTA)
@@ -51,7 +53,7 @@ def test_explicit_steps_are_stable_below_the_predicted_limit_and_unstable_above(
 
 @pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.name)
 @pytest.mark.parametrize("speed", SPEEDS)
-def test_default_method_is_stable_far_above_that_limit(machine: Machine, speed: float) -> None:
+def test_default_method_is_stable_far_above_that_limit(machine: DrivenVehicle, speed: float) -> None:
     for multiple in (1.1, 10.0, 100.0):
         assert growth_of_perturbation(machine, speed, multiple * limit(machine, speed), RODAS5P).factor < 0.9
 
@@ -63,7 +65,7 @@ def test_limit_is_that_of_the_stability_region_on_both_axes() -> None:
 
 
 @pytest.mark.parametrize("machine", [SPATIAL, PLANAR, PATCHES], ids=lambda machine: machine.name)
-def test_boundary_found_by_bisection_is_the_predicted_one(machine: Machine) -> None:
+def test_boundary_found_by_bisection_is_the_predicted_one(machine: DrivenVehicle) -> None:
     for friction in (0.1, 0.3):
         inputs = (("friction_1", friction), ("friction_2", friction))
         found = boundary(machine, 25.0, RUNGE_KUTTA, inputs)

@@ -9,7 +9,7 @@ import pytest
 
 from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.system import System, Variable, model_of
-from fmu_src.user_files import Piece, TableFile
+from fmu_src.user_files import TableFile, TablePiece
 from readers.columns import Column
 from tests.fmu_src.quick_library import quick_library
 
@@ -28,7 +28,7 @@ MAP = TableFile(
     rounding=0.25,
     known="time, flow and, where known, head",
     added=("volume",),
-    pieces=(Piece("flow", "m3/s", 1), Piece("head", "m", 5), Piece("volume", "m3", 4, goes_on=True)),
+    pieces=(TablePiece("flow", "m3/s", 1), TablePiece("head", "m", 5), TablePiece("volume", "m3", 4, goes_on=True)),
     source="""
 static int parts_before(const table_file *self, int row, char *problem, size_t size) {
     const double change = self->column[COLUMN_FLOW][row] - self->column[COLUMN_FLOW][row - 1];

@@ -12,7 +12,7 @@ from evidence.measuring.protected_throughput import LetAllGo, LetGo, in_c
 from products.machine import Machine, bogie, coach
 from products.protection import controller_kinds as module
 from products.protection.controller_kinds import Arrays
-from products.protection.history import EVERY, History
+from products.protection.history import EVERY, StopHistory
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Fault, Run
@@ -53,7 +53,7 @@ def test_what_is_written_down_is_what_the_controller_saw_and_said() -> None:
     Notes.said.clear()
     [stop] = Rig(bogie(), Notes, Settings()).runs([RUNS[2]], every=EVERY)
     history = stop.history
-    assert isinstance(history, History)
+    assert isinstance(history, StopHistory)
     said = np.array(Notes.said)
     samples = np.rint(history.time[:-1] / 5e-3).astype(int)
     assert np.array_equal(said[samples, 0], history.time[:-1])
@@ -70,7 +70,7 @@ def test_the_course_of_a_stop_ends_where_the_stop_does(machine: Machine) -> None
     run = Run(RAILS[2].values(count), faults=(Fault(1, sensor="zero", sensor_from=3.0),))
     [stop] = Rig(machine, None, Settings()).runs([run], every=EVERY)
     history = stop.history
-    assert isinstance(history, History)
+    assert isinstance(history, StopHistory)
     assert (history.time[-1], history.distance[-1], history.speed[-1]) == (stop.time, stop.distance, stop.end_speed)
     assert np.diff(history.time[:-1]) == pytest.approx(0.1)
     way = np.trapezoid(history.speed, history.time)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from brake_controller import brake_weight
-from brake_controller.brake_weight import Case, deceleration_steps
+from brake_controller.brake_weight import BrakingKind, deceleration_steps
 from products.supervision import FixedValues, Gradients, NationalValues, Steps, SupervisedTrain, gradients, supervise
 from products.supervision.conversion import (
     BRAKE_POSITIONS,
@@ -137,7 +137,7 @@ def test_decelerations_are_those_of_the_conversion_table() -> None:
 @pytest.mark.parametrize("emergency", [True, False])
 def test_both_conversion_models_of_the_project_agree(position: str, emergency: bool) -> None:
     """Decelerations and times of supervision are those of braking distances, at each speed, percentage and length."""
-    case = Case[f"{'EMERGENCY' if emergency else 'SERVICE'}_{position.upper().replace(' ', '_')}"]
+    case = BrakingKind[f"{'EMERGENCY' if emergency else 'SERVICE'}_{position.upper().replace(' ', '_')}"]
     for share in (30.0, 62.0, 95.0, 135.0, 157.0, 250.0):
         steps = deceleration_of(share if emergency else min(share, SERVICE_MOST))
         for one in deceleration_steps(case, share):

@@ -14,7 +14,7 @@ import tomllib
 from plotly.offline import get_plotlyjs
 
 from bogie_braking.__main__ import main
-from bogie_braking.braking_curves.compute import Found, compute
+from bogie_braking.braking_curves.compute import CurveResults, compute
 from bogie_braking.braking_curves.options import add_all
 from bogie_braking.braking_curves.words import document, text
 from bogie_braking.supervised import OwnStop, own_stops, supervised_train
@@ -142,7 +142,7 @@ def test_own_stops_from_the_limit_end_before_the_target(tmp_path: Path, capsys: 
         assert part in own
 
 
-def computed(*words: str) -> Found:
+def computed(*words: str) -> CurveResults:
     """Return what the command computes."""
     chosen = parsed(*words)
     return compute(chosen)

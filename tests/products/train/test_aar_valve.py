@@ -13,7 +13,7 @@ from brake_controller.distributors.aar import AarValve, balance, ready, retainin
 from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
 from products.train.numbers import Settings
-from products.train.pipe import Outside, Pipe
+from products.train.pipe import EndConditions, Pipe
 from products.train.train import Train
 
 PSI = 6894.757
@@ -33,7 +33,7 @@ def bench(valve: AarValve, pressure: float, seconds: float, charged: float = CHA
     """Open a charged car to a gauge pressure; return its pipe, and the cylinder's gauge pressure after a time."""
     pipe = Pipe(2, pressure=charged + AMBIENT, length=7.5, diameter=0.03175)
     pipe.connect([1], [valve], charged + AMBIENT)
-    pipe.open_to(0, Outside(2e-4, pressure + AMBIENT))
+    pipe.open_to(0, EndConditions(2e-4, pressure + AMBIENT))
     pipe.advance(seconds)
     return pipe, float(pipe.vehicle_pressures("cylinder")[0]) - AMBIENT
 
@@ -124,7 +124,7 @@ def test_slow_direct_empties_a_full_service_in_86_s() -> None:
     """An Alaska Railroad manual: 86 s, taken from a full service from 90 psi. The cylinder falls below 1 psi before."""
     slow = car(**retaining("slow-direct"), emergency_difference=1e7)
     pipe, full = bench(slow, CHARGED - 30 * PSI, 60.0)
-    pipe.open_to(0, Outside(2e-4, CHARGED + AMBIENT))
+    pipe.open_to(0, EndConditions(2e-4, CHARGED + AMBIENT))
     left = []
     for _ in range(100):
         pipe.advance(1.0)
@@ -158,9 +158,9 @@ def test_the_pipe_gains_the_air_that_the_emergency_reservoir_loses() -> None:
     """A closed pipe, slide valve in release: p V of pipe, auxiliary and emergency reservoir is kept (Boyle)."""
     valve = car(quick_choke=0.0, bulb_volume=0.0, emergency_difference=1e7)
     pipe, _ = bench(valve, CHARGED - 20 * PSI, 60.0)
-    pipe.open_to(0, Outside(2e-4, CHARGED - 8 * PSI + AMBIENT))
+    pipe.open_to(0, EndConditions(2e-4, CHARGED - 8 * PSI + AMBIENT))
     pipe.advance(0.5)
-    pipe.open_to(0, Outside())
+    pipe.open_to(0, EndConditions())
     volumes = {"auxiliary": valve.auxiliary_volume, "reservoir": valve.reservoir_volume}
 
     def in_car() -> float:
@@ -321,11 +321,11 @@ def test_each_full_service_takes_the_balances_share_of_what_the_reservoir_has() 
     valve = car(quick_choke=0.0, charging_choke=0.0, emergency_difference=1e7)
     pipe, left = bench(valve, 0.0, 0.0)[0], CHARGED
     for _ in range(3):
-        pipe.open_to(0, Outside(2e-4, AMBIENT))
+        pipe.open_to(0, EndConditions(2e-4, AMBIENT))
         pipe.advance(40.0)
         left *= valve.auxiliary_volume / (valve.auxiliary_volume + valve.cylinder_volume)
         assert pipe.vehicle_pressures("cylinder")[0] - AMBIENT == pytest.approx(left, rel=2 * BALANCE)
-        pipe.open_to(0, Outside(2e-4, CHARGED + AMBIENT))
+        pipe.open_to(0, EndConditions(2e-4, CHARGED + AMBIENT))
         pipe.advance(60.0)
         assert pipe.vehicle_pressures("cylinder")[0] - AMBIENT < 100.0
         assert pipe.vehicle_pressures("auxiliary")[0] - AMBIENT == pytest.approx(left, rel=2 * BALANCE)

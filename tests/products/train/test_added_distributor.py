@@ -26,7 +26,7 @@ from products.train.consist_file import consist_of
 from products.train.consist_writer import rows_of
 from products.train.fmu import train_fmu
 from products.train.numbers import Settings
-from products.train.pipe import Outside, Pipe
+from products.train.pipe import EndConditions, Pipe
 from products.train.train import Train
 
 # ---- the distributor -------------------------------------------------------------------------------------------------
@@ -100,12 +100,12 @@ def test_its_cylinder_has_the_pressure_of_the_pipe() -> None:
     """On the bench, both chambers follow the pipe up to the largest pressure. States of the built-in one are NaN."""
     pipe = Pipe(4, pressure=AMBIENT, length=7.5, diameter=0.03175)
     pipe.connect([1, 3], [of_choke("P"), of_choke("G")], AMBIENT)
-    pipe.open_to(0, Outside(2e-4, 200e3 + AMBIENT))
+    pipe.open_to(0, EndConditions(2e-4, 200e3 + AMBIENT))
     pipe.advance(120.0)
     assert pipe.vehicle_pressures("cylinder") == pytest.approx([200e3 + AMBIENT] * 2, rel=1e-3)
     assert pipe.vehicle_pressures("meter") == pytest.approx(pipe.vehicle_pressures("cylinder"), rel=1e-9)
     assert np.isnan(pipe.vehicle_pressures("auxiliary")).all()
-    pipe.open_to(0, Outside(2e-4, 500e3 + AMBIENT))
+    pipe.open_to(0, EndConditions(2e-4, 500e3 + AMBIENT))
     pipe.advance(60.0)
     assert pipe.vehicle_pressures("cylinder") == pytest.approx([300e3 + AMBIENT] * 2, rel=2e-2)
 

@@ -16,7 +16,7 @@ from brake_controller.brake_weight import (
     FROM_100,
     FROM_120,
     Assessment,
-    Case,
+    BrakingKind,
     braked_weight,
     braking_distance,
     build_up_time,
@@ -29,7 +29,7 @@ from brake_controller.brake_weight import (
     stopping_distance,
     train_percentage,
 )
-from scenarios.benchmark.case import Point
+from scenarios.benchmark.case import CasePoint
 from scenarios.benchmark.case_file import CASES, read_case
 from scenarios.benchmark.own.percentage import answer
 
@@ -53,24 +53,24 @@ BY_HAND = [
     (22.39, [(100, 0.5635)]),
     (23.12, [(90, 0.601)]),
 ]
-LENGTHS = {case: np.linspace(0.0, case.value.most_length, 61).tolist() for case in Case}
+LENGTHS = {case: np.linspace(0.0, case.value.most_length, 61).tolist() for case in BrakingKind}
 PERCENTAGES = np.linspace(30.0, 250.0, 89).tolist()
 
 
-def told(case: Case, speed: float, percentage: float, length: float) -> float:
+def told(case: BrakingKind, speed: float, percentage: float, length: float) -> float:
     return stopping_distance(case, speed * KMH, percentage, length)
 
 
 # ---- trains ----------------------------------------------------------------------------------------------------------
 
 
-def missed(point: Point) -> float:
+def missed(point: CasePoint) -> float:
     """Return the error of a distance [m]."""
     return answer(point.inputs)["distance"] - point.published["distance"]
 
 
 @pytest.mark.parametrize(("point", "by_hand"), list(zip(EXAMPLE.points, BY_HAND, strict=True)))
-def test_a_train_stops_in_the_distance_that_its_percentage_tells(point: Point, by_hand: tuple) -> None:
+def test_a_train_stops_in_the_distance_that_its_percentage_tells(point: CasePoint, by_hand: tuple) -> None:
     (time, steps), speed = by_hand, point.inputs["speed"]
     bands = zip([0.0, *(edge for edge, _ in steps)], steps, strict=False)
     own = speed * time + sum((up**2 - low**2) * KMH**2 / (2 * a) for low, (up, a) in bands)
@@ -116,7 +116,7 @@ def test_bands_below_the_limit_speed_fall_away(
     percentage: float, edges: tuple[float, ...], decelerations: tuple[float, ...]
 ) -> None:
     """Speed ranges beyond all reference distances are included."""
-    steps = deceleration_steps(Case.EMERGENCY_FREIGHT_P, percentage)
+    steps = deceleration_steps(BrakingKind.EMERGENCY_FREIGHT_P, percentage)
     limit = 16.85 * percentage**0.428
     assert [step.most / KMH for step in steps] == pytest.approx([limit, *edges])
     assert [step.least / KMH for step in steps] == pytest.approx([0.0, limit, *edges[:-1]])
@@ -126,15 +126,15 @@ def test_bands_below_the_limit_speed_fall_away(
 def test_from_100_to_120_kmh_the_model_brakes_harder_than_below_up_to_98_percent() -> None:
     """The published constants have this rise. At other edges the deceleration falls with speed."""
     for percentage in PERCENTAGES:
-        steps = deceleration_steps(Case.EMERGENCY_FREIGHT_P, percentage)
+        steps = deceleration_steps(BrakingKind.EMERGENCY_FREIGHT_P, percentage)
         pairs = itertools.pairwise(steps)
         rises = [later.most / KMH for one, later in pairs if later.deceleration > one.deceleration]
         assert rises in ([], [pytest.approx(120.0)])
         assert percentage > 98.3 or percentage < 90.0 or rises
 
 
-@pytest.mark.parametrize("case", Case)
-def test_distance_falls_with_percentage_and_grows_with_speed_and_length(case: Case) -> None:
+@pytest.mark.parametrize("case", BrakingKind)
+def test_distance_falls_with_percentage_and_grows_with_speed_and_length(case: BrakingKind) -> None:
     held = [one for one in PERCENTAGES if not case.value.service or one <= 135.0]
     for speed in (10.0, 99.0, 101.0, 130.0, 160.0, 200.0):
         assert np.all(np.diff([told(case, speed, one, 700.0) for one in held]) < 0.0)
@@ -144,8 +144,8 @@ def test_distance_falls_with_percentage_and_grows_with_speed_and_length(case: Ca
     assert told(case, 0.0, 65.0, 700.0) == 0.0
 
 
-@pytest.mark.parametrize("case", Case)
-def test_distance_goes_on_over_the_edges_of_bands(case: Case) -> None:
+@pytest.mark.parametrize("case", BrakingKind)
+def test_distance_goes_on_over_the_edges_of_bands(case: BrakingKind) -> None:
     """The deceleration is discontinuous there, the distance is not; nor is it where the limit speed reaches an edge."""
     near = 1e-9
     for percentage in (40.0, 65.0, 100.0, 135.0):
@@ -168,28 +168,28 @@ def test_distance_goes_on_over_the_edges_of_bands(case: Case) -> None:
     ],
 )
 def test_the_build_up_time_steps_up_a_little_behind_900_m(name: str, jump: float) -> None:
-    case = Case[name]
+    case = BrakingKind[name]
     assert build_up_time(case, 900.0 + 1e-9) - build_up_time(case, 900.0) == pytest.approx(jump, abs=1e-6)
 
 
 def test_short_trains_count_as_400_m_in_emergency_in_p_and_in_service_in_g() -> None:
     """A.3.8.1, A.3.8.2 and A.3.9.3; the other paragraphs have the length of the train."""
-    for case in Case:
+    for case in BrakingKind:
         shortest = build_up_time(case, 0.0)
         held = case.name.startswith("EMERGENCY") != case.name.endswith("G")
         assert (shortest == build_up_time(case, 400.0)) is held
-    assert build_up_time(Case.SERVICE_PASSENGER_P, 0.0) == 3.0
+    assert build_up_time(BrakingKind.SERVICE_PASSENGER_P, 0.0) == 3.0
 
 
 def test_brakes_begin_to_act_before_they_count_as_on() -> None:
-    for case in Case:
+    for case in BrakingKind:
         assert all(0.0 < case.value.reaction_time < build_up_time(case, length) for length in LENGTHS[case])
 
 
 def test_full_service_is_braked_with_135_percent_at_most() -> None:
     for percentage in (135.0, 180.0, 250.0):
-        service = deceleration_steps(Case.SERVICE_PASSENGER_P, percentage)
-        assert service == deceleration_steps(Case.EMERGENCY_PASSENGER_P, 135.0)
+        service = deceleration_steps(BrakingKind.SERVICE_PASSENGER_P, percentage)
+        assert service == deceleration_steps(BrakingKind.EMERGENCY_PASSENGER_P, 135.0)
 
 
 def test_the_percentage_of_a_train_is_that_of_its_weights() -> None:
@@ -203,7 +203,7 @@ def test_the_percentage_of_a_train_is_that_of_its_weights() -> None:
 
 def test_braking_distance_is_the_integral_of_speed_over_deceleration() -> None:
     """Compare with the sum over 10^5 slices of speed."""
-    steps = deceleration_steps(Case.EMERGENCY_FREIGHT_P, 45.0)
+    steps = deceleration_steps(BrakingKind.EMERGENCY_FREIGHT_P, 45.0)
     edges = np.linspace(0.0, 200.0 * KMH, 100_001)
     middle = (edges[1:] + edges[:-1]) / 2
     chosen = np.searchsorted([step.most for step in steps], middle)
@@ -249,25 +249,28 @@ def test_distance_force_and_percentage_come_back(assessment: Assessment) -> None
 
 REFUSED: list[tuple[Callable[[], object], str]] = [
     (
-        lambda: told(Case.EMERGENCY_FREIGHT_P, 100, 0.0, 700),
+        lambda: told(BrakingKind.EMERGENCY_FREIGHT_P, 100, 0.0, 700),
         "brake weight percentage is 0 %, but must be from 30 to 250",
     ),
-    (lambda: told(Case.EMERGENCY_FREIGHT_P, 100, -5.0, 700), "percentage is -5 %, but must be from 30 to 250 %"),
-    (lambda: told(Case.EMERGENCY_FREIGHT_P, 100, 251.0, 700), "percentage is 251 %"),
-    (lambda: told(Case.EMERGENCY_FREIGHT_P, 100, math.nan, 700), "percentage is nan %"),
-    (lambda: told(Case.EMERGENCY_FREIGHT_P, -1, 65, 700), "speed is -0.277778 m/s, but must be from 0 to 55.5556 m/s"),
-    (lambda: told(Case.EMERGENCY_FREIGHT_P, 201, 65, 700), "speed is 55.8333 m/s"),
-    (lambda: told(Case.EMERGENCY_FREIGHT_P, math.nan, 65, 700), "speed is nan m/s"),
+    (lambda: told(BrakingKind.EMERGENCY_FREIGHT_P, 100, -5.0, 700), "percentage is -5 %, but must be from 30 to 250 %"),
+    (lambda: told(BrakingKind.EMERGENCY_FREIGHT_P, 100, 251.0, 700), "percentage is 251 %"),
+    (lambda: told(BrakingKind.EMERGENCY_FREIGHT_P, 100, math.nan, 700), "percentage is nan %"),
     (
-        lambda: build_up_time(Case.EMERGENCY_PASSENGER_P, 901),
+        lambda: told(BrakingKind.EMERGENCY_FREIGHT_P, -1, 65, 700),
+        "speed is -0.277778 m/s, but must be from 0 to 55.5556 m/s",
+    ),
+    (lambda: told(BrakingKind.EMERGENCY_FREIGHT_P, 201, 65, 700), "speed is 55.8333 m/s"),
+    (lambda: told(BrakingKind.EMERGENCY_FREIGHT_P, math.nan, 65, 700), "speed is nan m/s"),
+    (
+        lambda: build_up_time(BrakingKind.EMERGENCY_PASSENGER_P, 901),
         "length of the train is 901 m, but must be from 0 to 900 m",
     ),
     (
-        lambda: build_up_time(Case.SERVICE_FREIGHT_G, 1501),
+        lambda: build_up_time(BrakingKind.SERVICE_FREIGHT_G, 1501),
         "length of the train is 1501 m, but must be from 0 to 1500 m",
     ),
-    (lambda: build_up_time(Case.SERVICE_FREIGHT_G, -1), "length of the train is -1 m"),
-    (lambda: build_up_time(Case.SERVICE_FREIGHT_G, math.nan), "length of the train is nan m"),
+    (lambda: build_up_time(BrakingKind.SERVICE_FREIGHT_G, -1), "length of the train is -1 m"),
+    (lambda: build_up_time(BrakingKind.SERVICE_FREIGHT_G, math.nan), "length of the train is nan m"),
     (lambda: limit_speed(math.inf), "percentage is inf %"),
     (lambda: percentage_of_vehicle(5284.0, FROM_100), "distance is 5284 m, but must be below 5284 m"),
     (lambda: percentage_of_vehicle(0.0, FROM_100), "stopping distance is 0 m"),

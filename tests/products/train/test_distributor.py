@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from brake_controller.distributors.uic import UIC, UicDistributor, fastest_change, freight
 from products.train.consist import block_train
 from products.train.numbers import Settings
-from products.train.pipe import Outside, Pipe
+from products.train.pipe import EndConditions, Pipe
 from products.train.train import Train
 
 AMBIENT, R, WARM = 101325.0, 287.05287, 293.15
@@ -40,7 +40,7 @@ def fed(pipe: Pipe, pressure: Callable[[float], float], seconds: float) -> Cours
     """
     course = []
     for number in range(round(seconds / STEP)):
-        pipe.open_to(0, Outside(2e-4, pressure(number * STEP) + AMBIENT))
+        pipe.open_to(0, EndConditions(2e-4, pressure(number * STEP) + AMBIENT))
         pipe.advance(STEP)
         cylinder, auxiliary = (pipe.vehicle_pressures(name)[-1] for name in ("cylinder", "auxiliary"))
         course.append([cylinder, pipe.pressure[-1], auxiliary])
@@ -113,7 +113,7 @@ def test_each_application_takes_a_cylinder_of_air_from_the_reservoir() -> None:
 def wave(cells: int, vehicles: int = 50, **values: float) -> float:
     """Return the speed [m/s] at which cylinders begin to fill after an emergency application, beyond ten vehicles."""
     pipe = train(vehicles, cells=cells, **values)
-    pipe.open_to(0, Outside(4e-4))
+    pipe.open_to(0, EndConditions(4e-4))
     begun = np.full(vehicles, math.nan)
     time = 0.0
     while np.isnan(begun).any():
@@ -142,7 +142,7 @@ def test_air_of_pipe_and_vehicles_closes() -> None:
         return sum(float(pipe.vehicle_pressures(name).sum()) * volume / (R * WARM) for name, volume in volumes.items())
 
     before = in_vehicles()
-    pipe.open_to(0, Outside(1e-4))
+    pipe.open_to(0, EndConditions(1e-4))
     pipe.advance(6.0)
     gone = pipe.passed
     assert pipe.mass + sum(gone.end_mass) + gone.vehicle_mass == pytest.approx(mass, rel=1e-12)
@@ -163,7 +163,9 @@ def test_trains_at_random_stay_above_zero() -> None:
         }
         pipe = train(vehicles, str(draw.choice(["P", "G"])), **scale)
         for _ in range(4):
-            pipe.open_to(int(draw.integers(2)), Outside(draw.choice([0.0, 1e-5, 4e-4]), draw.choice([AMBIENT, 6.5e5])))
+            pipe.open_to(
+                int(draw.integers(2)), EndConditions(draw.choice([0.0, 1e-5, 4e-4]), draw.choice([AMBIENT, 6.5e5]))
+            )
             pipe.advance(draw.uniform(0.1, 2.0))
             assert (pipe.pressure > 0.0).all()
             for name, _ in UIC.states:
@@ -182,7 +184,7 @@ def test_steps_are_as_short_as_the_fastest_volume_asks() -> None:
     ways = []
     for courant in (0.8, 0.2):
         pipe = train(2, **small)
-        pipe.open_to(0, Outside(4e-4))
+        pipe.open_to(0, EndConditions(4e-4))
         course = []
         for _ in range(100):
             pipe.advance(0.02, courant)

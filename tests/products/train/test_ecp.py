@@ -15,7 +15,7 @@ from brake_controller.distributors.ecp import ECP
 from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
 from products.train.numbers import Settings
-from products.train.pipe import Outside, Pipe
+from products.train.pipe import EndConditions, Pipe
 from products.train.train import Train
 
 #: Boyle with 2500, 3500 and 1000 cubic inches at 5 bar: full service, and emergency [Pa].
@@ -87,7 +87,7 @@ def test_the_pipe_gives_the_air_that_charges_both_reservoirs() -> None:
     valve = replace(ECP.ready("P"), low_pressure=0.0)
     pipe = Pipe(2, pressure=350e3 + AMBIENT, length=7.5, diameter=0.03175)
     pipe.connect([1], [valve], 350e3 + AMBIENT)
-    pipe.open_to(0, Outside(2e-4, 500e3 + AMBIENT))
+    pipe.open_to(0, EndConditions(2e-4, 500e3 + AMBIENT))
     pipe.advance(90.0)
     rises = {name: float(pipe.vehicle_pressures(name)[0]) - 350e3 - AMBIENT for name in ("auxiliary", "reservoir")}
     assert rises == pytest.approx(dict.fromkeys(rises, 150e3), rel=0.01)

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from brake_controller.distributors.uic import freight
 from products.train.consist_file import consist_of
 from products.train.numbers import Settings
-from products.train.pipe import COURANT, Outside, Pipe
+from products.train.pipe import COURANT, EndConditions, Pipe
 from products.train.train import Train
 
 KAPPA, R, MU = 1.4, 287.05287, 1.81e-5
@@ -164,8 +164,8 @@ def test_a_shock_tube_is_of_first_order_in_the_mean() -> None:
 def test_steady_flow_loses_the_pressure_of_the_closed_form() -> None:
     """Isothermal: p1^2 - p2^2 = G^2 R T (f L / D + 2 ln(p1 / p2)), f = 0.3164 Re^-0.25 or 64 / Re, Re = G D / mu."""
     pipe = Pipe(40, pressure=FILLED, length=7.5, diameter=DIAMETER, heat=1e4)
-    pipe.open_to(0, Outside(3e-4, FILLED))
-    pipe.open_to(1, Outside(2e-5))
+    pipe.open_to(0, EndConditions(3e-4, FILLED))
+    pipe.open_to(1, EndConditions(2e-5))
     pipe.advance(300.0)
     flow = pipe.state[1, 4:36]
     assert np.ptp(flow) < 1e-3 * flow.mean()
@@ -175,8 +175,8 @@ def test_steady_flow_loses_the_pressure_of_the_closed_form() -> None:
     lost = mass**2 * R * WARM * (factor * 31 * 7.5 / DIAMETER + 2 * math.log(first / last))
     assert first**2 - last**2 == pytest.approx(lost, rel=FRICTION)
     laminar = Pipe(40, pressure=FILLED, length=7.5, diameter=DIAMETER, heat=1e4)
-    laminar.open_to(0, Outside(1e-4, FILLED))
-    laminar.open_to(1, Outside(2e-7))
+    laminar.open_to(0, EndConditions(1e-4, FILLED))
+    laminar.open_to(1, EndConditions(2e-7))
     laminar.advance(300.0)
     mass = float(laminar.state[1, 4:36].mean())
     assert mass * DIAMETER / MU < 1100.0
@@ -201,7 +201,7 @@ def test_with_much_heat_waves_are_isothermal_and_without_adiabatic() -> None:
     """Speed of a front of 1 kPa: sqrt(R T) and sqrt(kappa R T). The front is smeared over a few cells."""
     for heat, pace in ((1e6, math.sqrt(R * WARM)), (0.0, SOUND)):
         pipe = Pipe(2000, pressure=FILLED, length=0.5, diameter=DIAMETER, friction=0.0, heat=heat)
-        pipe.open_to(0, Outside(1e-5))
+        pipe.open_to(0, EndConditions(1e-5))
         pipe.advance(2.0)
         fallen = FILLED - pipe.pressure
         front = np.interp(-0.5 * fallen[:100].max(), -fallen, np.arange(2000) * 0.5)
@@ -215,7 +215,7 @@ def test_a_volume_empties_through_an_opening_as_the_closed_form_says() -> None:
     """One short cell, adiabatic, choked: p = p0 (1 + (kappa - 1) / 2 t / tau)^(-2 kappa / (kappa - 1))."""
     pipe = Pipe(4, pressure=FILLED, length=0.05, diameter=0.2, heat=0.0, friction=0.0)
     opening, volume = 1e-6, float(pipe.volume.sum())
-    pipe.open_to(0, Outside(opening))
+    pipe.open_to(0, EndConditions(opening))
     pipe.advance(20.0)
     choked = math.sqrt(KAPPA) * (2 / (KAPPA + 1)) ** ((KAPPA + 1) / (2 * (KAPPA - 1)))
     tau = volume / (opening * choked * math.sqrt(R * WARM))
@@ -242,7 +242,7 @@ def test_mass_and_energy_close_whatever_happens() -> None:
         mass, energy = pipe.mass, pipe.energy
         for _ in range(5):
             for end in (0, 1):
-                pipe.open_to(end, Outside(draw.choice([0.0, 1e-5, 4e-4]), draw.choice([ATMOSPHERE, FILLED])))
+                pipe.open_to(end, EndConditions(draw.choice([0.0, 1e-5, 4e-4]), draw.choice([ATMOSPHERE, FILLED])))
             pipe.advance(draw.uniform(0.01, 1.0))
         gone = pipe.passed
         assert abs(pipe.mass + sum(gone.end_mass) + gone.leak_mass - mass) < MASS * mass
@@ -260,7 +260,7 @@ def test_a_closed_pipe_at_rest_stays_at_rest() -> None:
 def front(cells: int) -> float:
     """Return the speed [m/s] of a drop of 10 kPa over 750 m of pipe after an emergency, with `cells` a vehicle."""
     pipe = Pipe(50 * cells, pressure=FILLED, length=15.0 / cells, diameter=DIAMETER)
-    pipe.open_to(0, Outside(0.9 * AREA / 2))
+    pipe.open_to(0, EndConditions(0.9 * AREA / 2))
     time = 0.0
     while pipe.pressure[-1] > FILLED - 10e3:
         pipe.advance(2e-3)
@@ -281,7 +281,7 @@ def test_a_pipe_at_a_vacuum_of_21_inches_fills_alike_with_one_and_two_cells_a_ve
     vacuum = ATMOSPHERE - 21 * 3386.389
     for cells in (1, 2):
         pipe = Pipe(40 * cells, pressure=vacuum, length=15.0 / cells, diameter=0.0508)
-        pipe.open_to(0, Outside(0.8 * math.pi / 4 * 0.0508**2, ATMOSPHERE))
+        pipe.open_to(0, EndConditions(0.8 * math.pi / 4 * 0.0508**2, ATMOSPHERE))
         begun, time = np.full(40 * cells, np.inf), 0.0
         while pipe.pressure[-1] < 0.95 * ATMOSPHERE:
             pipe.advance(0.02)
@@ -306,7 +306,7 @@ def runs_at_random(count: int) -> None:
         )
         for _ in range(3):
             pipe.open_to(
-                int(draw.integers(2)), Outside(draw.choice([0.0, 1e-5, 1.0]) * pipe.area, draw.uniform(1e4, 1e6))
+                int(draw.integers(2)), EndConditions(draw.choice([0.0, 1e-5, 1.0]) * pipe.area, draw.uniform(1e4, 1e6))
             )
             pipe.advance(draw.uniform(1e-3, 0.5))  # raises an error if the state is not finite
             assert np.isfinite(pipe.state).all()
@@ -324,7 +324,7 @@ def test_no_pressure_falls_below_zero_in_a_hundred_thousand_runs() -> None:
 
 def test_what_leads_nowhere_is_told_and_leaves_the_pipe_as_it_was() -> None:
     pipe = Pipe(5, pressure=FILLED, length=7.5, diameter=DIAMETER)
-    pipe.open_to(0, Outside(1e-4, math.nan))
+    pipe.open_to(0, EndConditions(1e-4, math.nan))
     before, passed = pipe.state, pipe.passed.end_mass[0]
     with pytest.raises(ValueError, match="The air in the pipe came to no finite pressure above 0 within 5 s"):
         pipe.advance(5.0)
@@ -350,7 +350,7 @@ def test_a_pipe_that_cannot_be_is_refused(values: dict[str, object], sentence: s
 def test_what_a_pipe_is_asked_for_is_looked_at() -> None:
     pipe = Pipe(3, pressure=5e5, length=7.5, diameter=DIAMETER)
     with pytest.raises(ValueError, match="The end of a pipe must be 0 or 1; got 2"):
-        pipe.open_to(2, Outside())
+        pipe.open_to(2, EndConditions())
     with pytest.raises(ValueError, match="The time must be at least 0 s, and courant above 0; got nan s"):
         pipe.advance(math.nan)
     with pytest.raises(ValueError, match="Each distributor must have one of the cells 0 to 2; got"):
