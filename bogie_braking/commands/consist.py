@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     describe(parser, __doc__)
     actions = parser.add_subparsers(dest="action", required=True)
     one = actions.add_parser("import", help="read a train of another program, and account for its fields")
-    one.add_argument("file", type=Path, metavar="FILE", help="a .con, .eng, .wag, .json, .yaml, .dat or .xml file")
+    one.add_argument("file", type=Path, metavar="FILE", help=f"a file in {', '.join(FORMATS)}")
     one.add_argument("--out", type=Path, metavar="FILE", help="write the consist, TOML or CSV by the end of the name")
     add_speech(one, "rows and sentences", "no account of the fields")
     one = actions.add_parser("check", help="print masses, brake weights, resistances and stopping distances")

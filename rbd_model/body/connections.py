@@ -10,7 +10,7 @@ above it. An axle box, which yaws and rolls with its wheelset and pitches with t
 from __future__ import annotations
 
 import operator
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import reduce
 from itertools import accumulate
@@ -85,36 +85,25 @@ def sum_of(effects: Sequence[Effect]) -> Effect:
 
 
 def connect(assembly: Assembly, connection: SuspensionElement, relation: Relation) -> Effect:
-    """Return the effect of a connection, of both its sides if it has two; the laws are in functions of the same names.
-
-    Each is (3.38) along one direction, or a law of its own instead of a spring and a damper.
-    """
+    """Return the effect of a connection, of both its sides if it has two. Each law is (3.38), or one instead of it."""
     if isinstance(connection, STATELESS):
         return connect_stateless(assembly, connection, relation)
-    effects = []
-    for side, place in connection.sides():
-        stretch = relation.stretch(assembly, place)
-        if isinstance(connection, SeriesDamper):
-            effects.append(series_damper(assembly, connection, side, relation, stretch))
-        elif isinstance(connection, FrictionSlider):
-            effects.append(friction_slider(assembly, connection, side, relation, stretch))
-    return sum_of(effects)
-
-
-#: Connections without states of their own.
-STATELESS = (Springs, Torsion, TableSpring, TableDamper)
+    law = _law_of(connection, WITH_STATES)
+    return sum_of(
+        [
+            law(assembly, connection, side, relation, relation.stretch(assembly, place))
+            for side, place in connection.sides()
+        ]
+    )
 
 
 def connect_stateless(sizes: Sizes, connection: SuspensionElement, relation: Relation) -> Effect:
     """Return the effect of one of STATELESS, (3.38)."""
-    if isinstance(connection, Torsion):
-        return torsion(sizes, connection, relation)
-    if isinstance(connection, Springs):
-        return springs(sizes, connection, relation)
-    if isinstance(connection, TableSpring):
-        return sum_of([table_spring(sizes, connection, relation, side, place) for side, place in connection.sides()])
-    assert isinstance(connection, TableDamper)
-    return sum_of([table_damper(sizes, connection, relation, place) for _, place in connection.sides()])
+    return _law_of(connection, LAWS)(sizes, connection, relation)
+
+
+def _law_of(connection: SuspensionElement, laws: Mapping[type, Callable[..., Effect]]) -> Callable[..., Effect]:
+    return next(law for kind, law in laws.items() if isinstance(connection, kind))
 
 
 def springs(sizes: Sizes, connection: Springs, relation: Relation) -> Effect:
@@ -166,11 +155,15 @@ def torsion(sizes: Sizes, connection: Torsion, relation: Relation) -> Effect:
     return Effect(none, -relation.axes.T @ moment, moment, stiffness * way**2 / 2, damping * rate**2)
 
 
-def table_spring(sizes: Sizes, connection: TableSpring, relation: Relation, side: str, place: Place) -> Effect:
-    """Return a force by straight lines over the travel, with its potential, instead of the spring of (3.38).
+def table_spring(sizes: Sizes, connection: TableSpring, relation: Relation) -> Effect:
+    """Return forces by straight lines over the travel, with their potential, instead of the spring of (3.38).
 
     A spring that carries rests where its table has the preload.
     """
+    return sum_of([_spring_of_side(sizes, connection, relation, side, place) for side, place in connection.sides()])
+
+
+def _spring_of_side(sizes: Sizes, connection: TableSpring, relation: Relation, side: str, place: Place) -> Effect:
     points, forces = lines(connection.travel, connection.force, BEYOND)
     slopes = np.diff(forces) / np.diff(points)
     steps = np.diff(points) * (forces[:-1] + forces[1:]) / 2
@@ -194,13 +187,16 @@ def travel_at_rest(sizes: Sizes, connection: TableSpring, preload: ca.SX) -> ca.
     return found
 
 
-def table_damper(sizes: Sizes, connection: TableDamper, relation: Relation, place: Place) -> Effect:
-    """Return a force by straight lines over the rate, instead of the damper of (3.38)."""
+def table_damper(sizes: Sizes, connection: TableDamper, relation: Relation) -> Effect:
+    """Return forces by straight lines over the rate, instead of the damper of (3.38)."""
     points, pieces = interpolation(*lines(connection.rate, connection.force, BEYOND_RATE))
-    stretch = relation.stretch(sizes, place)
-    rate = stretch.rate[DIRECTIONS.index(connection.direction)]
-    (pull,) = polynomials(look_up(sizes.chain, connection.name, points, pieces, rate), rate, 0)
-    return Effect.of(relation, stretch, along(connection.direction, pull), ca.SX(0), pull * rate)
+    effects = []
+    for _, place in connection.sides():
+        stretch = relation.stretch(sizes, place)
+        rate = stretch.rate[DIRECTIONS.index(connection.direction)]
+        (pull,) = polynomials(look_up(sizes.chain, connection.name, points, pieces, rate), rate, 0)
+        effects.append(Effect.of(relation, stretch, along(connection.direction, pull), ca.SX(0), pull * rate))
+    return sum_of(effects)
 
 
 def series_damper(
@@ -244,3 +240,15 @@ def friction_slider(
     return Effect.of(
         relation, stretch, along(connection.direction, drive), stiffness * bent**2 / 2 + mass * rate**2 / 2, power
     )
+
+
+#: Law of each kind of connection without states of its own, and of those with states, one side at a time. A new
+#: element is a class in rbd_model/vehicle/description.py, its law here and a row.
+LAWS: dict[type, Callable[..., Effect]] = {
+    Springs: springs,
+    Torsion: torsion,
+    TableSpring: table_spring,
+    TableDamper: table_damper,
+}
+WITH_STATES: dict[type, Callable[..., Effect]] = {SeriesDamper: series_damper, FrictionSlider: friction_slider}
+STATELESS = tuple(LAWS)

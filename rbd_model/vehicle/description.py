@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -571,7 +571,7 @@ def _sizes(vehicle: Vehicle) -> Iterator[tuple[str, str, Size]]:
         yield from ((name, "place", size) for size in (part.along, *own))
     acting: list[SuspensionElement | Pull] = [*vehicle.connections, *vehicle.pulls]
     for one in acting:
-        laws = [getattr(one, name, ()) for name in ("stiffness", "damping", "capacity")]
+        laws = [getattr(one, item.name) for item in fields(one) if "Size" in str(item.type)]
         sizes = [*one.place, *(size for law in laws for size in (law if isinstance(law, tuple) else (law,)))]
         yield from ((one.name, "place or law", size) for size in sizes)
         if isinstance(one, SeriesDamper):
