@@ -10,19 +10,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from readers.decimal_numbers import MINUS, NUMBER
 from readers.text import FileError, quoted, shown
 from readers.units import different_units, factor, quantity_of
 
 #: Largest number of characters in a cell, for columns of free text without a limit of their own.
 LONGEST_TEXT = 60
-#: A number in decimal writing, with a point or a comma.
-NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
 #: A number that may be one of thousands, with a separator between groups of three digits.
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
 #: Cells that Python's float reads as they are meant.
 PLAIN = re.compile(r"[0-9eE+.-]*", re.ASCII)
-#: The minus sign of typesetters, which some programs write.
-MINUS = "\u2212"
 
 
 class TableError(FileError):
@@ -73,24 +70,6 @@ class Column:
     def holds_words(self) -> bool:
         """Whether it holds words or text instead of numbers."""
         return bool(self.words) or self.text
-
-
-def number_in(cell: str) -> bool:
-    """Return whether a cell holds a number in decimal writing, with a point or a comma."""
-    return NUMBER.fullmatch(cell.replace(MINUS, "-")) is not None
-
-
-def number_of(value: object) -> float:
-    """Return a finite number, also one in a text in decimal writing; NaN for all else, `true` among it."""
-    if isinstance(value, str):
-        value = float(value.replace(MINUS, "-").replace(",", ".")) if number_in(value) else math.nan
-    if isinstance(value, bool):
-        return math.nan
-    try:
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        return math.nan
-    return number if math.isfinite(number) else math.nan
 
 
 @dataclass(frozen=True)

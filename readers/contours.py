@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.columns import Column, TableError, number_in, number_of
+from readers.columns import Column, TableError
+from readers.decimal_numbers import is_decimal, number_of
 from readers.tables import BLANKS, cells_of, separator_of_numbers, table_of
 from readers.text import quoted
 from readers.units import different_units, factor
@@ -115,7 +116,7 @@ def read_points(body: ContourRows) -> tuple[Points, NDArray[np.int64], list[str]
 def _numbers(body: ContourRows) -> tuple[Points, NDArray[np.int64], list[str]]:
     """Return points in the body's unit, or mm if it has a head with units, their rows, and notes."""
     named = separator_of_numbers([body.rows[0][1]]) is None
-    second = next((at for at, row in body.rows[1:] if not any(map(number_in, CELLS.findall(row)))), None)
+    second = next((at for at, row in body.rows[1:] if not any(map(is_decimal, CELLS.findall(row)))), None)
     if second is not None:
         row = dict(body.rows)[second]
         raise refusal(
@@ -247,7 +248,7 @@ def check_without_effect(source: str, row: int, key: str, value: str) -> None:
 def _neutral(value: str, key: str) -> bool:
     if value.lower() in NEUTRAL:
         return True
-    numbers = [value] if number_in(value) else [one for one in re.split(r"[\s;,]+", value) if one]
+    numbers = [value] if is_decimal(value) else [one for one in re.split(r"[\s;,]+", value) if one]
     same = 1.0 if FACTORS.search(key) else 0.0
     return all(number_of(number) == same for number in numbers)
 

@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import Any
 
 from readers.column_names import HEAD_ROUND, HEAD_SQUARE, tidy
-from readers.columns import TableError, number_of
+from readers.columns import TableError
+from readers.decimal_numbers import number_of
 from readers.log_words import BEHIND, meant, plain, suffixed, unit_like
 from readers.text import BLANK, quoted, shown
 from readers.toml_files import toml_of

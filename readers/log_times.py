@@ -17,7 +17,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.columns import MINUS, TableError, number_in
+from readers.columns import TableError
+from readers.decimal_numbers import MINUS, is_decimal
 from readers.text import quoted
 from readers.units import factor
 
@@ -53,7 +54,7 @@ class Times:
 def times_of(cells: Sequence[str], unit: str, numbers: Callable[[], NDArray[np.float64]], place: TimesPlace) -> Times:
     """Return the times of a column."""
     first = next((cell for cell in cells if cell), "")
-    if number_in(first):
+    if is_decimal(first):
         scale = _since_1970(first, unit)
         return _counted(cells, partial(_exact, scale), place, False) if scale else _plain(numbers(), unit, place)
     for form in (ISO, DOTTED):
@@ -110,7 +111,7 @@ def _since_1970(cell: str, unit: str) -> int:
 
 def _exact(scale: int, cell: str) -> int | None:
     """Return a number of a file in nanoseconds, rounded to a whole one."""
-    value = Decimal(cell.replace(",", ".")) if number_in(cell) and len(cell) <= LONGEST else Decimal("inf")
+    value = Decimal(cell.replace(",", ".")) if is_decimal(cell) and len(cell) <= LONGEST else Decimal("inf")
     return int((value * scale).to_integral_value()) if abs(value) < LARGEST else None
 
 

@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError, number_in, unit_factor
+from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError, unit_factor
+from readers.decimal_numbers import is_decimal
 from readers.log_columns import ColumnMap, Head, LogColumn, Naming, factor_of, head_of
 from readers.log_rows import Log, count_of, in_order
 from readers.log_times import Times, TimesPlace, times_of
@@ -75,7 +76,7 @@ def read_log(
 def _heads(begin: Begin, by_position: Sequence[str]) -> tuple[list[Head], Begin, int]:
     """Return the names of the columns, the begin of the rows behind them, and their row. Raises TableError."""
     place = f"{begin.source}, row {begin.at}"
-    if not all(number_in(cell) for cell in begin.cells if cell):
+    if not all(is_decimal(cell) for cell in begin.cells if cell):
         begin = _without_title(begin)
         heads = [head_of(at, cell) for at, cell in enumerate(begin.cells) if cell]
         return *_with_units(heads, begin), begin.at
@@ -97,7 +98,7 @@ def _without_title(begin: Begin) -> Begin:
             found = begin_of("\n" * found.at + "\n".join(found.lines[found.at :]), begin.source)
         except TableError:
             return begin
-        if all(number_in(cell) for cell in found.cells if cell):
+        if all(is_decimal(cell) for cell in found.cells if cell):
             return begin
     return found
 
@@ -108,7 +109,7 @@ def _with_units(heads: list[Head], begin: Begin) -> tuple[list[Head], Begin]:
     units = {place: cell.strip("[]()") for place, cell in enumerate(cells) if cell}
     words = {"-", "1", "text", "iso", "utc"}
     known = [unit for unit in units.values() if unit_like(unit) or unit.lower() in words]
-    if not at or len(known) < len(units) or not any(unit_like(one) and not number_in(one) for one in known):
+    if not at or len(known) < len(units) or not any(unit_like(one) and not is_decimal(one) for one in known):
         return heads, begin
     named = [
         Head(head.at, head.cell, head.name, head.unit or unit_like(units.get(head.at, "")) or "") for head in heads
@@ -122,7 +123,7 @@ def _texts(heads: Sequence[Head], begin: Begin) -> dict[int, str]:
     found = {}
     for head in heads:
         cells = [row[head.at] for row in rows if head.at < len(row) and row[head.at].casefold() not in MISSING]
-        if rows and not any(number_in(cell) for cell in cells):
+        if rows and not any(is_decimal(cell) for cell in cells):
             found[head.at] = "text" if cells else "no values"
     return found
 
@@ -195,7 +196,7 @@ class _Reading:
         cells = (cell for _, row in self.begin.rows_behind() for cell in row if sign in cell)
         decimals = re.compile(rf"{CLOCK_DIGITS}{re.escape(sign)}\d")
         return bool(mark.shown) and any(
-            decimals.search(cell) or (number_in(cell) and not THOUSANDS.fullmatch(cell)) for cell in cells
+            decimals.search(cell) or (is_decimal(cell) and not THOUSANDS.fullmatch(cell)) for cell in cells
         )
 
     def _cells(self, found: LogColumn, unit: str, rows: NDArray[np.int64]) -> Cells:

@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from readers.columns import number_of
+from readers.decimal_numbers import number_of
 from readers.documents import is_number
 from readers.text import shown
 from readers.units import factor

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from readers.column_names import columns_in_order, layout_of, name_and_unit, tidy
-from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError, number_in, unit_factor
+from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError, unit_factor
+from readers.decimal_numbers import is_decimal
 from readers.text import BLANK, LONGEST_ROW, lines_of, quoted, rows_in, shown, text_of
 
 #: Most rows of a table, unless a caller sets another limit.
@@ -120,7 +121,7 @@ def table_of(
     """Read a table from its text, as `read_table` does; source: its name in messages."""
     begin = begin_of(text, source)
     place = f"{source}, row {begin.at}"
-    numeric = all(number_in(cell) for cell in begin.cells if cell)
+    numeric = all(is_decimal(cell) for cell in begin.cells if cell)
     if numeric and not by_position:
         example = ", ".join(f"{column.name} [{column.unit}]" for column in columns[:3])
         raise TableError(
@@ -168,7 +169,7 @@ def names_of(path: str | Path) -> list[str]:
     separator, behind = _form_of(lines, str(path))
     at, row = next(rows_in(lines, str(path), behind), (0, ""))
     cells = [cell for cell in cells_of(row, separator, f"{path}, row {at}") if cell]
-    named = [name_and_unit(cell, f"{path}, row {at}")[0] for cell in cells if not number_in(cell)]
+    named = [name_and_unit(cell, f"{path}, row {at}")[0] for cell in cells if not is_decimal(cell)]
     return [tidy(name) for name in named]
 
 
@@ -216,7 +217,7 @@ def separator_of_numbers(rows: Sequence[str]) -> str | None:
     """Return the separator of rows of numbers, or None if some hold anything else."""
     for one in (*SEPARATORS, BLANKS):
         parts = [cells_of(row.replace('"', ""), one, "") for row in rows]
-        if all(len(cells) > 1 and all(not cell or number_in(cell) for cell in cells) for cells in parts):
+        if all(len(cells) > 1 and all(not cell or is_decimal(cell) for cell in cells) for cells in parts):
             return one
     return None
 

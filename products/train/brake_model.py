@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from products.train.consist import Consist
 from products.train.numbers import Settings
 from products.train.unused_values import without_effect
-from readers.columns import number_of
+from readers.decimal_numbers import number_of
 from readers.usual import likely_unit
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from brake_controller.drive import MOST_DRIVE_POINTS
 from brake_controller.point_table import MOST_POINTS
-from readers.columns import number_of
+from readers.decimal_numbers import number_of
 
 Limits = tuple[float, float]
 #: Least distance of two places over the range of places: slopes stay finite, and their sum keeps ten digits.

@@ -23,7 +23,7 @@ from fmu_src.system import Variable
 from fmu_src.user_files import RecordFile
 from rbd_model.contact.geometry import GAUGE_DEPTH, Side, Sides, gauge_face
 from rbd_model.contact.pair_table import PAIR, PATCH, SIDE, pair_record
-from readers.columns import number_in, number_of
+from readers.decimal_numbers import is_decimal, number_of
 from readers.storage import write_whole
 from readers.text import BadInputError, rows_of, shown, text_of
 
@@ -60,7 +60,7 @@ def write_pair(sides: Sides, path: str | Path) -> Path:
     """Write the contact table of a pair of profiles (section 4.3), for the parameter `profile_file`."""
     record = pair_record(sides)
     rows = list(rows_of_record(record))
-    numbers = [float(cell) for row in rows for cell in row.split(",") if number_in(cell)]
+    numbers = [float(cell) for row in rows for cell in row.split(",") if is_decimal(cell)]
     rows = [*remarks(sides), f"{PAIR.name},{VERSION}", *rows, f"{CHECKSUM},{checksum(numbers)}"]
     target = Path(path)
     write_whole(target, "".join(f"{row}\n" for row in rows).encode())

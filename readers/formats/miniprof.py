@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from readers.columns import TableError, number_in, number_of
+from readers.columns import TableError
 from readers.contours import (
     Contour,
     ContourRows,
@@ -23,6 +23,7 @@ from readers.contours import (
     unit_of,
     unknown_keys,
 )
+from readers.decimal_numbers import is_decimal, number_of
 from readers.text import quoted
 
 MARKS = re.compile(r"miniprof|wheelprof|railprof|^[^\S\n]*(ColumnDef|XYPoints)\s*=|^\[Profile\d+Info\]", re.I | re.M)
@@ -104,7 +105,7 @@ class Header:
         if tidy == "mptypeno":
             self.kind = KINDS.get(value[:1], "") if len(value) == 3 else ""
             return
-        number = number_of(value) if number_in(value) else float("nan")
+        number = number_of(value) if is_decimal(value) else float("nan")
         if tidy == ANGLE:
             if number:
                 self.notes.append(f"{key} = {value} has no effect: the points stand as they were measured")

@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.columns import number_in, number_of
 from readers.contours import (
     Contour,
     ContourRows,
@@ -25,6 +24,7 @@ from readers.contours import (
     unit_of,
     unknown_keys,
 )
+from readers.decimal_numbers import is_decimal, number_of
 from readers.text import quoted
 
 TYPES = {0.0: "rail", 1.0: "wheel"}
@@ -71,7 +71,7 @@ class _File:
         at, value = self.values.get(key, (0, ""))
         if not value:
             return default
-        if not number_in(value) or not math.isfinite(number_of(value)):
+        if not is_decimal(value) or not math.isfinite(number_of(value)):
             raise refusal(self.source, at, f"{key} must be a finite number; got {quoted(value)}. Correct or remove it.")
         return number_of(value)
 
@@ -133,7 +133,7 @@ def _take(file: _File, at: int, block: str, line: str) -> None:
 def _check_header(file: _File, kind: str) -> str:
     """Check type and version; return the kind."""
     at, value = file.values.get("header.type", (0, ""))
-    found = TYPES.get(number_of(value)) if value and number_in(value) else None
+    found = TYPES.get(number_of(value)) if value and is_decimal(value) else None
     if value and (found is None or kind not in ("", found)):
         wanted = f"that of a {kind}" if kind else "known"
         raise refusal(file.source, at, f"type must be {wanted} (0: rail, 1: wheel); got {quoted(value)}.")
@@ -180,7 +180,7 @@ def _per_si(file: _File, key: str, example: str) -> float | None:
     if key not in file.values or not file.values[key][1]:
         return None
     at, value = file.values[key]
-    number = number_of(value) if number_in(value) else math.nan
+    number = number_of(value) if is_decimal(value) else math.nan
     if not 0.0 < number < math.inf:
         raise refusal(file.source, at, f"{key} must be above 0, {example}; got {quoted(value)}. Correct it.")
     return number
@@ -258,5 +258,5 @@ def _bounded(
 def _weights(file: _File) -> list[str]:
     """Return a note if a point has a weight other than 1."""
     cells = [re.split(r"[;,\s]+" if "." in row else r"[;\s]+", row.strip()) for _, row in file.body]
-    odd = sum(len(cell) > 2 and number_in(cell[2]) and number_of(cell[2]) != 1.0 for cell in cells)
+    odd = sum(len(cell) > 2 and is_decimal(cell[2]) and number_of(cell[2]) != 1.0 for cell in cells)
     return [f"weights of {odd} points have no effect: the spline weighs all points equally"] * bool(odd)
