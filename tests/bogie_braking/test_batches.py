@@ -42,6 +42,7 @@ def planar() -> BatchLibrary:
     return batch_machine_of("bogie", {}, False)
 
 
+@pytest.mark.study
 def test_a_long_elimination_is_cut_into_any_number_of_pieces(
     planar: BatchLibrary, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -60,6 +61,7 @@ def test_a_long_elimination_is_cut_into_any_number_of_pieces(
 # ---- runs ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("what", "scene", "on_line"),
     [
@@ -101,6 +103,7 @@ def test_runs_with_other_methods_beside_them_are_those_which_they_are_alone() ->
     assert len(set(ends["distance"][:7].tolist())) == 7
 
 
+@pytest.mark.study
 def test_runs_in_space_that_end_early_are_those_which_they_are_alone() -> None:
     """In a curve the fast vehicles tip over, and waiting runs take over their lanes."""
     before, curve = bb.straight(20.0), bb.arc(500.0, 300.0)
@@ -114,6 +117,7 @@ def test_runs_in_space_that_end_early_are_those_which_they_are_alone() -> None:
     assert (ends.time[~ends.ended] == 5.0).all()
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("lanes", [2, 4])
 def test_order_threads_and_width_change_no_bit(planar: BatchLibrary, lanes: int) -> None:
     if lanes > planar.lanes:
@@ -145,6 +149,7 @@ def test_a_lost_signal_is_said_and_changes_no_other_run() -> None:
     assert_same(ends, [alone("bogie", 5.0, None, {**scene, "brake_torque_1": one}) for one in torque])
 
 
+@pytest.mark.study
 def test_a_system_with_algebraic_states_is_in_its_lane_what_it_is_alone() -> None:
     """Its trial steps are made outside the lanes, with a separate Jacobian."""
     speeds = np.linspace(5.0, 40.0, 11)
@@ -318,6 +323,7 @@ def test_a_step_that_fails_on_the_way_leaves_all_as_it_was() -> None:
         assert found["height"][0] == pytest.approx((1 - 1.5 * 0.6) ** (2 / 3), rel=1e-5)  # the closed form
 
 
+@pytest.mark.study
 def test_instances_and_batches_give_their_memory_back(planar: BatchLibrary) -> None:
     def cycle() -> None:
         with bb.instances("bogie", 4, ["brake_torque_1"], ["speed"], **BRAKED) as made:

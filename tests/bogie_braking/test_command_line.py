@@ -203,6 +203,7 @@ def test_bash_completes(typed: str, offered: str, tmp_path: Path, capsys: pytest
     assert sorted(done.stdout.split()) == offered.split(), done.stderr
 
 
+@pytest.mark.study
 def test_a_reader_who_goes_is_no_failure(tmp_path: Path) -> None:
     empty = os.environ | {"BOGIE_BRAKING_CACHE": str(tmp_path)}
     for command in ("list", "doctor"):

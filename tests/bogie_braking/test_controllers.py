@@ -62,6 +62,7 @@ def block(language: str, first: str) -> str:
     return next(text for text in re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL) if text.startswith(first))
 
 
+@pytest.mark.study
 def test_the_controllers_of_the_page_make_the_same_stop(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     given, earlier = ["let_go.py:LetGo", "let_go.c"], folder / "results/controllers/compare.html"
     earlier.parent.mkdir(parents=True, exist_ok=True)
@@ -81,6 +82,7 @@ def test_the_controllers_of_the_page_make_the_same_stop(folder: Path, capsys: py
     assert (folder / "results/controllers/compare.png").exists()
 
 
+@pytest.mark.study
 def test_a_class_of_arrays_makes_the_stops_of_the_class(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "many.py").write_text(block("python", "# many.py"))
     given = "compare --rails low --draws 2 --json let_go.py:LetGo many.py:LetAllGo"
@@ -98,6 +100,7 @@ def test_a_controller_that_fails_does_not_end_the_comparison(folder: Path, capsy
     assert len(re.findall(r"^(dry|wet) +(none|protection) +259.[56] ", shown, re.MULTILINE)) == 4
 
 
+@pytest.mark.study
 def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -108,6 +111,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
     assert found["Gains(share=0.8)"] == found["LetGo"] != found["Gains(0.9, mode='c')"]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
@@ -186,6 +190,7 @@ def test_a_programme_of_ones_own_is_run(folder: Path, capsys: pytest.CaptureFixt
     )
 
 
+@pytest.mark.study
 def test_starts_are_compared_with_a_protection_of_their_own(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -236,6 +241,7 @@ def test_equipment_that_cannot_be_is_refused(
     assert words in capsys.readouterr().err
 
 
+@pytest.mark.study
 def test_a_class_with_a_start_of_its_own_is_a_class(folder: Path) -> None:
     (folder / "own.py").write_text(
         "class Own:\n    def start(self):\n        pass\n\n    def step(self, time, speeds):\n        return [0, 0]\n"
@@ -243,6 +249,7 @@ def test_a_class_with_a_start_of_its_own_is_a_class(folder: Path) -> None:
     assert main(["controllers", "compare", "--rails", "dry", "--draws", "1", "own.py:Own", "let_go.c", "--json"]) == 0
 
 
+@pytest.mark.study
 def test_two_forms_of_one_name_are_told_apart_by_their_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert build_fmu.main(["--controller", "let_go.c", "--out", "."]) == 0
     given = "compare --rails dry --draws 1 let_go.c native/let_go.fmu --json"

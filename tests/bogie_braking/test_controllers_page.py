@@ -75,6 +75,7 @@ def choose(page: Page, case: int) -> None:
     page.evaluate(f"at('case').value = '{case}', at('case').dispatchEvent(new Event('change'))")
 
 
+@pytest.mark.study
 def test_names_are_text_and_never_obeyed(page: Page) -> None:
     choose(page, 0)
     assert page.evaluate("globalThis.bad") is None
@@ -118,6 +119,7 @@ def test_the_page_has_the_numbers_of_the_rig(page: Page, folder: Path) -> None:
     assert page.evaluate("player.tracks[1].stop.at(3.7).speed") != pytest.approx(history.speed[40], abs=0.01)
 
 
+@pytest.mark.study
 def test_it_plays_to_the_end_and_says_who_stands(page: Page) -> None:
     choose(page, 0)
     page.evaluate("player.go(player.latest - 16), at('pace').value = '20', at('play').click()")
@@ -130,6 +132,7 @@ def test_it_plays_to_the_end_and_says_who_stands(page: Page) -> None:
     assert " m" in page.evaluate("at('told').textContent")
 
 
+@pytest.mark.study
 def test_it_is_led_by_keys_by_the_bar_and_by_a_touch(page: Page) -> None:
     choose(page, 0)
 
@@ -156,6 +159,7 @@ def test_it_is_led_by_keys_by_the_bar_and_by_a_touch(page: Page) -> None:
     assert middle == pytest.approx(0.46, abs=0.04)
 
 
+@pytest.mark.study
 def test_machines_and_cursor_move_and_colours_follow_the_night(page: Page) -> None:
     choose(page, 0)
     drawn = "[player.tracks[0].canvas.toDataURL(), player.charts[0].canvas.toDataURL()]"
@@ -193,6 +197,7 @@ def test_long_stops_are_thinned_and_keep_their_end(folder: Path) -> None:
     assert set(few.speed) <= set(history.speed)
 
 
+@pytest.mark.study
 def test_a_comparison_without_a_page_writes_none(folder: Path, tmp_path: Path) -> None:
     given = [f"{folder / 'named.py'}:Named('a')", "--programme", str(folder / "my.toml"), "--out", str(tmp_path)]
     assert main(["controllers", "compare", "--quiet", *given]) == 0

@@ -58,6 +58,7 @@ def only(run: Run) -> Any:
 # ---- what a stop costs -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 def test_rewards_add_up_to_the_score_of_the_same_stop_on_the_rig() -> None:
     """The stop is bit-identical; its reward is computed here again from the observations of a privileged row."""
     with_pause, step = Settings(period=10e-3), 10e-3
@@ -90,6 +91,7 @@ def test_rewards_add_up_to_the_score_of_the_same_stop_on_the_rig() -> None:
     assert max(stop.longest_lock for stop in stops) > 0.0
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("brake_ratio", [0.5, 1.0])
 def test_where_all_wheels_roll_a_stop_costs_its_distance_and_one_filling(brake_ratio: float) -> None:
     costs = []
@@ -166,6 +168,7 @@ def test_draws_are_within_their_limits_and_differ() -> None:
 # ---- what Gymnasium asks ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("vehicle", ["bogie", "vehicle"])
 @pytest.mark.parametrize("privileged", [False, True])
 def test_gymnasium_finds_nothing_wrong(vehicle: str, privileged: bool) -> None:
@@ -219,6 +222,7 @@ def test_the_same_seed_draws_the_same_rails() -> None:
     made.close()
 
 
+@pytest.mark.study
 def test_the_module_alone_makes_it_known() -> None:
     code = f"import gymnasium; print(gymnasium.make('bogie_braking.gym:{NAME}').reset(seed=1)[0].shape)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
@@ -321,6 +325,7 @@ def resident() -> float:
     return 4096.0 * int(Path("/proc/self/statm").read_text().split()[1])
 
 
+@pytest.mark.study
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="reads memory where Linux tells it")
 def test_environments_that_are_made_and_let_go_of_leave_no_memory() -> None:
     """Some are closed, some only released; if kept, they hold their memory. A new process has no free heap yet."""

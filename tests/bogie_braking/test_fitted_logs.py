@@ -233,6 +233,7 @@ def within(seeds: int) -> tuple[int, list[float]]:
     return count, times
 
 
+@pytest.mark.study
 def test_standard_errors_hold_for_errors_correlated_over_a_second() -> None:
     """Of 25 fits at least 21 lie within two standard errors; with independent errors it would be half."""
     count, times = within(25)

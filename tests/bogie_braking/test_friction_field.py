@@ -72,6 +72,7 @@ FLEETS = {
 }
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("errors", FLEETS)
 def test_intervals_hold_known_fields(errors: str) -> None:
     assert HOLDS_OF_FEW[0] <= held(range(6), **FLEETS[errors]) <= HOLDS_OF_FEW[1]
@@ -121,6 +122,7 @@ def test_rolling_wheels_count_by_their_torque_and_without_it_nothing_is_guessed(
         bb.fit("vehicle", bb.Recording({one: stop.units[one] for one in alone}, rows), {"friction": 0.2}, places=50.0)
 
 
+@pytest.mark.study
 def test_the_scatter_between_logs_and_the_fall_with_sliding_are_found() -> None:
     _, logs = fleet(3, logs=6, white=0.01, slow=0.0, scatter=0.06)
     found = bb.fit("bogie", logs, {"friction": 0.1, "friction_decay": 0.1}, places=KNOTS, friction_ratio=RATIO)

@@ -105,6 +105,7 @@ def stop_with(client: list[str], own: socket.socket) -> Looped:
     return found
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("share", [0.8, 0.7])
 def test_a_client_in_another_process_makes_the_stop_of_the_class_to_the_last_bit(
     share: float, own: socket.socket, here: object, tmp_path: Path

@@ -138,6 +138,7 @@ def plotly(tmp_path: Path) -> Mapping[str, str]:
     return {"PYTHONPATH": str(tmp_path / "pages")}
 
 
+@pytest.mark.study
 def test_wheel_runs_a_scenario_without_a_compiler_and_is_left_as_it_was(
     installed: Path, no_compiler: Mapping[str, str], plotly: Mapping[str, str], tmp_path: Path
 ) -> None:
@@ -168,6 +169,7 @@ def test_wheel_runs_a_scenario_without_a_compiler_and_is_left_as_it_was(
     assert contents(packages) == before
 
 
+@pytest.mark.study
 def test_an_installation_is_light(installed: Path, tmp_path: Path) -> None:
     """The compiler and the packages for pages are extras. With pip and compiled Python files it is below 800 MB."""
     packages = packages_of(installed, tmp_path)
@@ -178,6 +180,7 @@ def test_an_installation_is_light(installed: Path, tmp_path: Path) -> None:
     assert not ours & {"ziglang", "plotly"}
 
 
+@pytest.mark.study
 def test_installed_package_builds_fmus_and_is_left_as_it_was(installed: Path, tmp_path: Path) -> None:
     packages = packages_of(installed, tmp_path)
     before = contents(packages)
@@ -189,6 +192,7 @@ def test_installed_package_builds_fmus_and_is_left_as_it_was(installed: Path, tm
     assert contents(packages) == before
 
 
+@pytest.mark.study
 def test_installed_package_is_the_one_that_runs(installed: Path, tmp_path: Path) -> None:
     """The checkout is on the path of the tests but not of this Python; the command equals the module."""
     place = call(installed, tmp_path, "-c", "import bogie_braking; print(bogie_braking.__file__)").strip()
@@ -199,6 +203,7 @@ def test_installed_package_is_the_one_that_runs(installed: Path, tmp_path: Path)
     assert "qr30-180kpa" in done.stdout.splitlines()
 
 
+@pytest.mark.study
 def test_a_wheel_brings_one_name_and_minds_no_folder_of_the_user(installed: Path, tmp_path: Path) -> None:
     """A user's folder with the name of one of our packages hides none of them."""
     files = "print(*importlib.metadata.files('bogie-braking'), sep='\\n')"
@@ -214,6 +219,7 @@ def test_a_wheel_brings_one_name_and_minds_no_folder_of_the_user(installed: Path
     assert "usage: bogie-braking build" in call(installed, tmp_path, "-m", "bogie_braking", "build", "--help")
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("part", ["begin", pytest.param("whole", marks=pytest.mark.long)])
 def test_the_page_of_the_public_face_runs_from_a_wheel(installed: Path, tmp_path: Path, part: str) -> None:
     """Run its blocks in order and compare their output. The part `begin`: runs, lines, own vehicles, controllers.
@@ -233,6 +239,7 @@ def test_the_page_of_the_public_face_runs_from_a_wheel(installed: Path, tmp_path
     assert done.stdout == "".join(text for kind, text in blocks if kind == "text")
 
 
+@pytest.mark.study
 def test_comparisons_with_other_programs_need_a_checkout(installed: Path, tmp_path: Path) -> None:
     listed = call(installed, tmp_path, "-m", "bogie_braking", "list", "--quiet").split()
     assert {one.name for one in SCENARIOS} - set(listed) == set(EVIDENCE)
@@ -240,6 +247,7 @@ def test_comparisons_with_other_programs_need_a_checkout(installed: Path, tmp_pa
     assert shown.startswith("throughput needs a checkout")
 
 
+@pytest.mark.study
 def test_a_wheel_that_is_uninstalled_leaves_nothing(wheels: Path, tmp_path: Path) -> None:
     python = environment(tmp_path / "environment")
     packages = packages_of(python, tmp_path)
@@ -254,6 +262,7 @@ def test_a_wheel_that_is_uninstalled_leaves_nothing(wheels: Path, tmp_path: Path
     assert {path.name for path in packages.iterdir()} == before
 
 
+@pytest.mark.study
 def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
     """The second release is made in another folder at another time and is identical byte for byte."""
     release.write_wheels([], tmp_path)
@@ -288,6 +297,7 @@ def imported_without_a_way_out(body: list[ast.stmt]) -> Iterator[str]:
             yield from imported_without_a_way_out(getattr(node, inner, []))
 
 
+@pytest.mark.study
 def test_what_is_imported_without_a_way_out_is_installed_with_the_rest() -> None:
     """No command needs an extra without a message about it."""
     asked = {Requirement(text).name for text in requires("bogie-braking") or [] if "extra ==" not in text}

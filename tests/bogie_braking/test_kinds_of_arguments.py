@@ -67,6 +67,7 @@ FUNCTIONS: dict[str, Callable[[Any], float]] = {
 }
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_each_function_gives_each_form_its_own_answer(name: str, kinds: dict[str, Any]) -> None:
     """A deceleration of 4 M / (r m') from 30 m/s: 674 m for 64 t; the built-in coach stops in 482 m."""
@@ -76,11 +77,13 @@ def test_each_function_gives_each_form_its_own_answer(name: str, kinds: dict[str
         assert FUNCTIONS[name](what) == pytest.approx(674.0, abs=0.5), kind
 
 
+@pytest.mark.study
 def test_a_creep_law_applies_to_a_vehicle_from_a_file(kinds: dict[str, Any]) -> None:
     rolled = bb.run(kinds["file"], 1.0, names=["distance"], level=3, initial_speed=10.0, creep_law="polach")
     assert rolled["distance"][-1] == pytest.approx(10.0, abs=1e-6)
 
 
+@pytest.mark.study
 def test_the_test_rig_takes_a_vehicle_from_a_file(kinds: dict[str, Any], tmp_path: Path) -> None:
     """On a dry rail: v^2 / 2 a, a second before the command, and T / ln 20 of cylinders that fill in T = 2 s."""
     (tmp_path / "own.toml").write_text('like = "coach"\ntare = 64000\n[brake]\ndeceleration = 1.2\n')

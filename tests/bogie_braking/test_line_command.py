@@ -55,6 +55,7 @@ def test_jumps_are_found_at_their_places() -> None:
     assert second.value == pytest.approx(-0.003)
 
 
+@pytest.mark.study
 def test_a_map_of_friction_is_checked_by_its_mean_over_the_line_and_its_slippery_stretches(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -125,16 +125,19 @@ def still(browser: Browser, file: Path) -> Iterator[Page]:
         yield page
 
 
+@pytest.mark.study
 def test_the_page_is_small(file: Path) -> None:
     assert file.stat().st_size <= LARGEST
 
 
+@pytest.mark.study
 def test_brake_and_main_chart_are_on_the_first_screen(page: Page) -> None:
     for name in ("brake", "lever", "chart-speed", "result", "presets"):
         assert page.evaluate(f"at('{name}').getBoundingClientRect().bottom <= innerHeight"), name
     assert "Press Brake" in page.evaluate("at('result').textContent")
 
 
+@pytest.mark.study
 def test_the_lever_brakes_and_wheels_lock(page: Page) -> None:
     """The controls are moved as by a user: without protection wheels lock; charts move."""
     page.evaluate("openLink('')")
@@ -178,6 +181,7 @@ def test_the_keyboard_reaches_everything(page: Page) -> None:
     )
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_is_hard_to_read_or_to_use(page: Page, scheme: str) -> None:
     page.prefer(scheme)
@@ -211,6 +215,7 @@ def test_a_page_that_stands_still_costs_nothing(still: Page) -> None:
     assert 0 < still.evaluate("drawn") < 10
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("protection", [False, True])
 @pytest.mark.parametrize("level", [1, 2, 3])
 @pytest.mark.parametrize("name", MACHINES)
@@ -240,6 +245,7 @@ def test_the_page_computes_what_python_does(
         assert [row for row in zip(outputs, off, allowed, strict=True) if not row[1] <= row[2]] == []
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", PRESETS)
 def test_a_preset_ends_as_the_native_kernel_does(still: Page, name: str, tmp_path: Path) -> None:
     """Its final message agrees to 0.1 % in distance, and to 0.1 s in the longest lock."""
@@ -318,6 +324,7 @@ def test_of_two_runs_that_are_asked_for_the_second_goes(still: Page) -> None:
     still.evaluate("kernelOf = own, null")
 
 
+@pytest.mark.study
 def test_a_link_brings_back_the_run_to_the_last_digit(browser: Browser, file: Path) -> None:
     """A run by hand in frames of any length is repeated from its address, in a page that computes it at once."""
     for page in opened(browser, file, 800):

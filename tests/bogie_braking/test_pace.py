@@ -79,6 +79,7 @@ def test_a_run_that_fails_says_so(capsys: pytest.CaptureFixture[str]) -> None:
     assert "level" in capsys.readouterr().err
 
 
+@pytest.mark.study
 def test_the_fmu_of_a_stop_is_the_list_s(tmp_path: Path) -> None:
     """Every listed vehicle makes a stop, so that no FMU is paced at a standstill by mistake."""
     from products.registry import FMUS, model_of

@@ -85,6 +85,7 @@ def cut(page: Page) -> list[str]:
     )
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("width", [NARROW, WIDE])
 @pytest.mark.parametrize("file", [REPORT, INDEX])
 def test_page_needs_nothing_else_says_no_error_and_cuts_nothing(
@@ -98,6 +99,7 @@ def test_page_needs_nothing_else_says_no_error_and_cuts_nothing(
     assert cut(page) == []
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [NARROW, WIDE])
 @pytest.mark.parametrize("file", [REPORT, INDEX])
@@ -190,6 +192,7 @@ def shown_at(page: Page, row: int, factor: int) -> dict[str, np.ndarray]:
     return {name: np.array(points, dtype=float) for name, points in parts}
 
 
+@pytest.mark.study
 def test_time_bar_moves_the_bodies_as_the_run_did(report: Page) -> None:
     """Compare with the kernel's states, which the page does not have: lateral position of a wheelset, not of rails."""
     vehicle, factor = two_axle_bogie(), 5
@@ -231,6 +234,7 @@ def test_wheels_touch_their_rails_in_the_section(report: Page, summary: dict[str
     assert "kN" in report.evaluate("document.getElementById('forces').innerText")
 
 
+@pytest.mark.study
 def test_play_runs_and_stops(report: Page) -> None:
     shown_at(report, 0, 1)
     press = "document.getElementById('play').click()"
@@ -287,6 +291,7 @@ def nasty_report() -> Report:
     return report
 
 
+@pytest.mark.study
 def test_texts_of_a_result_are_shown_and_never_obeyed(browser: Browser, tmp_path: Path) -> None:
     scenario = Scenario("nasty", BREAKS, lambda options: nasty_report())
     report = scenario.run(Options())
@@ -338,6 +343,7 @@ def without_cant(points: np.ndarray, middle: float) -> np.ndarray:
     return np.array([x, cosine * y - sine * z, sine * y + cosine * z])
 
 
+@pytest.mark.study
 def test_a_curve_bends_before_and_behind_the_vehicle(browser: Browser, curve: Motion, tmp_path: Path) -> None:
     """The offset is x^2 / (2 R) from its tangent, and the wheelsets turn by x / R."""
     report = Report([], curve.series, lambda: single("title", "x [m]", "y [m]")[0], {}, 1.0, motion=lambda: curve)
@@ -421,6 +427,7 @@ def test_index_shows_what_does_not_hold_first_and_what_is_not_judged_last(tmp_pa
     assert "1 of 2 judged rows does not hold, in speed." in text
 
 
+@pytest.mark.study
 def test_what_pages_need_is_imported_for_pages_alone() -> None:
     asked = (
         "import sys; from bogie_braking import commands; [commands.module_of(name) for name in commands.COMMANDS]; "

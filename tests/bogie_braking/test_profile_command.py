@@ -27,6 +27,7 @@ def few_shifts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(profile, "FILE_AMPLITUDES", np.array([1e-3, 3e-3]))
 
 
+@pytest.mark.study
 def test_profile_writes_table_and_picture_and_prints_what_it_found(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -49,6 +50,7 @@ def test_profile_writes_table_and_picture_and_prints_what_it_found(
     assert any("Flange back: 1360 mm, assumed" in row for row in shown)
 
 
+@pytest.mark.study
 def test_profile_and_scenario_have_one_conicity_and_one_gauge(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -70,6 +72,7 @@ def test_profile_and_scenario_have_one_conicity_and_one_gauge(
         capsys.readouterr()
 
 
+@pytest.mark.study
 def test_outlier_is_refused_or_dropped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     points = np.loadtxt(WHEEL, delimiter=",", skiprows=1)
     points[500, 1] += 0.5
@@ -84,6 +87,7 @@ def test_outlier_is_refused_or_dropped(tmp_path: Path, capsys: pytest.CaptureFix
     assert notes.count("rows 501") == 1
 
 
+@pytest.mark.study
 def test_rails_that_wheels_leave_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A flat rail that is inclined by 0.2: without a head the wheels find no balance."""
     flat = tmp_path / "flat.csv"

@@ -36,6 +36,7 @@ def few_shifts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(contact_geometry, "FILE_SHIFTS", np.linspace(-8e-3, 8e-3, 17))
 
 
+@pytest.mark.study
 @pytest.mark.usefixtures("few_shifts")
 @pytest.mark.parametrize(
     ("case", "wheels", "diameters"),

@@ -357,6 +357,7 @@ def longer(name: str = "Longer", half_base: float = 1.75) -> parts.Vehicle:
     return replace(bogie, name=name, wheelsets=axles, connections=springs)
 
 
+@pytest.mark.study
 def test_a_ready_vehicle_as_data_runs_as_its_fmu_does() -> None:
     for level in (1, 2):
         scene = {"level": level, **BRAKED}
@@ -366,6 +367,7 @@ def test_a_ready_vehicle_as_data_runs_as_its_fmu_does() -> None:
             assert own[name] == pytest.approx(ready[name], rel=1e-9, abs=1e-9), name
 
 
+@pytest.mark.study
 def test_a_vehicle_of_ones_own_transfers_its_load_by_its_own_base(tmp_path: Path) -> None:
     """The front axle gains the load that the rear one loses, inversely to the wheel base (moments about the rail)."""
     loads = ["axle_load_1", "axle_load_2"]
@@ -583,6 +585,7 @@ def test_a_signal_that_is_lost_before_the_first_step_is_told() -> None:
     ]
 
 
+@pytest.mark.study
 def test_a_dask_cluster_gives_the_numbers_of_threads_here() -> None:
     """Two worker processes receive an input over time, one of our vehicles and a line."""
     distributed = pytest.importorskip("distributed")
@@ -623,6 +626,7 @@ def measured(seed: int) -> bb.Recording:
     return bb.Recording(run.units, np.column_stack([run["time"], run["speed"] + noise]).tolist())
 
 
+@pytest.mark.study
 def test_friction_of_a_shoe_lies_within_two_standard_errors_in_95_of_100_seeds() -> None:
     within = 0
     for seed in range(100):

@@ -69,6 +69,7 @@ def test_a_linear_limit_state_has_the_probability_of_its_closed_form(inputs: int
     assert low < 1e-7 < high < 2.0 * low
 
 
+@pytest.mark.study
 def test_intervals_of_95_per_cent_hold_as_often_at_1e_4() -> None:
     """Seeds 0 to 199 were chosen before any run; the mean of the estimates has no bias."""
     limit = -float(ndtri(1e-4))
@@ -91,6 +92,7 @@ def test_intervals_as_if_particles_were_independent_hold_too_seldom_and_short_ch
     assert told > 45
 
 
+@pytest.mark.study
 def test_a_point_model_that_rolls_has_the_probability_of_its_torque() -> None:
     """One torque is random. Distance falls as it grows: the torque whose stop has the limit's length is the quantile.
 

@@ -63,6 +63,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("given", ["let_go.py:LetGo", "many.py:Many", "let_go.c"])
 @pytest.mark.parametrize("period", ["10ms", "4ms", "25ms", ""])
 def test_a_valve_vents_while_its_wheel_slides(

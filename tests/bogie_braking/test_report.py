@@ -259,6 +259,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.study
 def test_broken_controllers_are_rejected_by_the_name_of_the_criterion(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -292,6 +293,7 @@ SHORT_SUITE = {
 }
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("controller", FAILED, ids=["slow", "fast"])
 def test_stops_of_broken_controllers_fail_built_in_criteria_by_their_names(
     controller: tuple[str, tuple[str, ...]], folder: Path, capsys: pytest.CaptureFixture[str]
@@ -313,6 +315,7 @@ def test_every_built_in_criterion_is_failed_by_a_broken_controller() -> None:
     assert set.union(*FAILED.values()) == {one.name for one in read_criteria(CRITERIA)}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("seconds", "status"), [("9.998", 0), ("10.003", 1)])
 def test_a_brake_that_is_kept_released_for_longer_than_the_watchdog_allows_rejects(
     seconds: str, status: int, folder: Path, capsys: pytest.CaptureFixture[str]
@@ -333,6 +336,7 @@ def test_a_brake_that_is_kept_released_for_longer_than_the_watchdog_allows_rejec
     assert capsys.readouterr().out.startswith(said if status else "accepted: late passes all 2 criteria in 2 cases.")
 
 
+@pytest.mark.study
 def test_a_report_is_reproduced_from_its_own_options(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     given = ["--programme", "cases.toml", "--criteria", "limits.toml", "--draws", "2", "--pulses", "80", "--seed", "3"]
     assert main(["controllers", "report", "never.c", *given, "--json"]) == 1

@@ -62,6 +62,7 @@ def page(browser: Browser, folder: Path, request: pytest.FixtureRequest) -> Iter
     opened.close()
 
 
+@pytest.mark.study
 def test_the_page_has_verdict_claim_sources_and_digests(page: Page, folder: Path) -> None:
     made = json.loads((folder / "report.json").read_text())
     text = page.evaluate("document.body.textContent")
@@ -88,6 +89,7 @@ def test_the_failed_case_is_played_first_and_names_are_text(page: Page) -> None:
     assert page.evaluate("at('case').selectedOptions[0].textContent") == "dry"
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_is_hard_to_read_and_all_fits(page: Page, scheme: str) -> None:
     page.prefer(scheme)

@@ -182,6 +182,7 @@ def at_a_point() -> bb.Vehicle:
     return replace(two_axle_bogie(), name="AtAPoint")
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("values", "words"),
     [
@@ -203,6 +204,7 @@ def test_a_vehicle_refuses_what_no_vehicle_has(values: dict[str, float], words: 
         bb.run(at_a_point, 0.01, level=1, **values)
 
 
+@pytest.mark.study
 def test_a_row_of_a_sweep_and_of_a_batch_says_the_same(at_a_point: bb.Vehicle) -> None:
     found = bb.sweep(at_a_point, 0.01, ["speed"], {"initial_speed": [20.0, 160.0, -1e9]}, level=1)
     assert [math.isnan(one) for one in found["speed"]] == [False, True, True]

@@ -31,6 +31,7 @@ def logged(begin: float) -> bb.Recording:
     return bb.Recording({"time": "s", "speed": "m/s"}, np.c_[begin + elapsed, SPEED - BRAKE * elapsed / MASS])
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("begin", BEGINS)
 def test_a_fit_finds_the_mass_whenever_the_log_begins(begin: float) -> None:
     found = bb.fit(sled(), logged(begin), {"mass": 7.0}, brake=BRAKE, length=100.0)
@@ -94,6 +95,7 @@ def test_every_form_of_a_table_is_the_same_push(given: Any) -> None:
     assert run["speed"] == pytest.approx(SPEED + 10.0 * run["time"] ** 2 / (2 * MASS), rel=1e-6)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [

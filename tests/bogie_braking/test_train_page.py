@@ -62,6 +62,7 @@ def pressures(page: Page) -> list[float]:
     return [float(one) for one in page.evaluate("[...live.train.output('pipe_pressure')]")]
 
 
+@pytest.mark.study
 def test_brake_and_pictures_are_on_the_first_screen(page: Page) -> None:
     begin(page)
     for name in ("brake", "train-view", "chart-speed", "result", "presets"):

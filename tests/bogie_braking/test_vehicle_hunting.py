@@ -59,12 +59,14 @@ def with_profiles(folder: Path) -> DataSheet:
     return replace(coach(), profile_files=(write_pair(pair, folder / "pair.csv"),))
 
 
+@pytest.mark.study
 def test_a_steady_drag_hardly_moves_the_linear_critical_speed() -> None:
     """At zero creepage Polach's law has no slope: with it the same drags give 96.7 and 101.6 m/s."""
     assert linear_speed() == pytest.approx(COACH, abs=0.01)
     assert linear_speed(DRAG) == pytest.approx(linear_speed(), abs=CHANGE)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("speed", [93.0, 100.0])
 def test_a_small_motion_in_a_run_with_linear_creep_grows_as_its_eigenvalue(speed: float) -> None:
     values = {f"friction_{number}": FRICTION for number in (1, 2, 3, 4)}
@@ -76,6 +78,7 @@ def test_a_small_motion_in_a_run_with_linear_creep_grows_as_its_eigenvalue(speed
     assert growth == pytest.approx(max(mode.growth for mode in modes_of(coach(), speed)), rel=GROWTH)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("ratio", "stays"), [(1 + AWAY, True), (1 - AWAY, False)])
 def test_a_large_motion_persists_above_the_reported_speed_and_ends_below(ratio: float, stays: bool) -> None:
     speed = {"initial_speed": ratio * large_speed(), "initial_lateral": START, "constant_speed": 1.0}
@@ -85,12 +88,14 @@ def test_a_large_motion_persists_above_the_reported_speed_and_ends_below(ratio: 
     assert large_speed() < 0.95 * linear_speed()
 
 
+@pytest.mark.study
 def test_a_motion_that_slowed_down_persists_at_the_reported_speed() -> None:
     run = LargeMotion(coach(), 1.05 * large_speed(), START)
     assert run.persists()
     assert run.last_speed() == pytest.approx(large_speed(), rel=5e-3)
 
 
+@pytest.mark.study
 def test_critical_speeds_are_those_of_the_profiles_of_the_file(tmp_path: Path) -> None:
     sheet = with_profiles(tmp_path)
     assert abs(linear_speed_of(sheet) - linear_speed()) > 0.5

@@ -51,6 +51,7 @@ def test_a_quantile_by_splitting_holds_the_closed_form_and_nothing_is_extrapolat
     assert split_quantile(populations, 1e-12)[2] == np.inf
 
 
+@pytest.mark.study
 def test_wet_factors_are_bounded_by_adhesion() -> None:
     """Factors are at most 1, and at least mu g over the deceleration on a dry rail, 1.48 m/s2."""
     mixed = etcs.WetRails(loguniform(0.08, 0.30), "assumed")

@@ -56,6 +56,7 @@ def mass_in_reservoir(machine: Kernel) -> float:
     return (machine["reservoir_pressure"] + FLOW.ambient_pressure) * VOLUME / (GAS_CONSTANT * FLOW.air_temperature)
 
 
+@pytest.mark.study
 def test_the_air_that_cylinders_take_is_what_the_reservoir_loses(library: Library) -> None:
     machine = kernel(library)
     before = mass_in_reservoir(machine)

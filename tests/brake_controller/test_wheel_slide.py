@@ -263,6 +263,7 @@ class EqualWheels:
 LONGEST_LOCK, OVER_IDEAL = 0.4, 1.25
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("excess", [0.005, 0.05])
 def test_a_slow_slide_of_all_wheels_together_is_caught_where_friction_falls(excess: float) -> None:
     """No wheel differs from another. Detection relies on falling friction: wheels slow faster than any rail allows."""

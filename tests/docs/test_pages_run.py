@@ -41,6 +41,8 @@ PROGRAMS = {"python", "make", "cc", "c++", "./host"}
 EXTRAS = {"docs/hosts/ecos-and-libcosim.md": ("masters", ("ecospy", "libcosimpy"))}
 #: Commands that install, or run all tests, and their replacements in every run.
 DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test")}
+#: Pages whose kernels take half a minute and more to compile.
+SLOW = {"README.md", "CONTRIBUTING.md", "docs/controller.md", "docs/public.md", "docs/training.md"}
 #: Commands that take more than some seconds, and their replacements; `make test-long` runs the originals.
 SHORT = {
     "python build_fmu.py ssp": "python build_fmu.py brake",
@@ -206,7 +208,14 @@ def run_page(page: str, instead: Mapping[str, str]) -> None:
             assert same, f"The page says\n{text}\nand there came\n{shown}"
 
 
-@pytest.mark.parametrize("page", [name(path) for path in PAGES if name(path) != WRITING])
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=pytest.mark.study if page in SLOW else ())
+        for page in map(name, PAGES)
+        if page != WRITING
+    ],
+)
 def test_a_page_runs_and_prints_what_it_says(page: str, checkout: Path) -> None:
     skip_without_extra(page)
     run_page((checkout / page).read_text(encoding="utf-8"), DRY | SHORT)
@@ -219,6 +228,7 @@ def test_a_page_runs_whole(page: str, checkout: Path) -> None:
     run_page((checkout / page).read_text(encoding="utf-8"), DRY)
 
 
+@pytest.mark.study
 def test_a_newcomer_gets_from_equations_to_an_fmu_and_its_pages(checkout: Path) -> None:
     run_page((checkout / WRITING).read_text(encoding="utf-8"), {})
     for generator in ("numbers_of_pages", "pages"):  # make pages

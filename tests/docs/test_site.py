@@ -127,6 +127,7 @@ def test_numbers_of_summaries_stand_on_the_pages_that_they_cite() -> None:
     assert looked_at > MANY
 
 
+@pytest.mark.study
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # ziamath warns at import
 def test_links_to_the_root_hold_in_pages_of_hosts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))

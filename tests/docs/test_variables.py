@@ -40,6 +40,7 @@ def rows_of(text: str) -> dict[str, dict[str, str]]:
     return found
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", ["brake", "bogie"])
 def test_the_table_tells_what_the_xml_tells(name: str) -> None:
     shown, told = rows_of(variable_table(model(name))), 0

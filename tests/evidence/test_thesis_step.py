@@ -39,6 +39,7 @@ def test_step_below_the_limit_is_silent_and_gives_the_accurate_numbers() -> None
     assert fine.values == pytest.approx(accurate.values, rel=BELOW_BAND)
 
 
+@pytest.mark.study
 def test_error_below_the_limit_falls_with_the_fourth_power_of_the_step() -> None:
     run, steps = run_of("wheelset, 25 m/s: frequency"), (8e-4, 1e-3, 1.2e-3)
     assert max(steps) < run.limit()

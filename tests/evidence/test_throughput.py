@@ -84,6 +84,7 @@ def test_failures_are_on_the_picture_and_in_no_line() -> None:
 PUSHED = [({}, 0.0, 0.0), ((2, 5e-4), 0.0, 0.0), ((1, 1e-3), 0.5, 4.0)]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("chosen", "least", "most"), PUSHED, ids=["default", "method 2", "method 1"])
 def test_the_rail_pushes_no_braked_wheelset_forwards(chosen: tuple[int, float], least: float, most: float) -> None:
     """The sign of the force decides, regardless of the tolerance; method 1 behaves as its page states."""

@@ -132,6 +132,7 @@ def same_bits(a: Array, b: Array) -> bool:
 EVERY = (*ONE, *TWO, *BY_LIBRARY, *BY_LIBRARY_TWO, *EXPRESSIONS)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", [name for name in EVERY if name != "any"])
 def test_bits_are_the_same_at_every_width_and_of_both_compilers(
     name: str, library: ctypes.CDLL, other_library: ctypes.CDLL
@@ -177,6 +178,7 @@ def arguments_of(name: str) -> Sequence[tuple[Array, Array]]:
     return [(wide, g.uniform(-1e6, 1e6, COUNT)), (np.sin(wide), np.cos(wide)), (wide * 1e-300, wide[::-1] * 1e-305)]
 
 
+@pytest.mark.study
 @pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="NumPy has no longer numbers here")
 @pytest.mark.parametrize("name", [*ONE, *TWO])
 def test_errors_are_as_small_as_promised(name: str, library: ctypes.CDLL) -> None:

@@ -32,6 +32,7 @@ def stop_of(brake: int, line: bb.Line | None = None, **values: Any) -> bb.Record
     )
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("brake", "equipment"), [(BY_FLOW, ()), (DISCS, ("discs",))], ids=["treads", "discs"])
 def test_its_stop_is_that_of_the_rig(brake: int, equipment: tuple[str, ...]) -> None:
     """The rig and the FMU simulate one vehicle: the same distance, and the same air from the reservoir."""
@@ -81,6 +82,7 @@ def test_discs_of_another_radius_brake_as_their_radius_has_it() -> None:
     assert treads[1] / treads[0] == pytest.approx(2.0, rel=1e-4)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("brake", [TIMED, DISCS])
 def test_it_runs_on_a_line(brake: int) -> None:
     """Down 10 per mille a full brake decelerates less, by g i over the factor of rotating masses."""
@@ -95,6 +97,7 @@ def test_it_runs_on_a_line(brake: int) -> None:
     assert slowing["level"] - slowing["down"] == pytest.approx(slope / rotating, rel=0.02)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", [1, 2])
 def test_locked_wheels_stop_where_a_map_of_friction_has_taken_their_energy(level: int) -> None:
     """v^2 / 2 = g mu0 times the integral of the factor over the travel of the axles; frames rock at level 2."""

@@ -56,6 +56,7 @@ def made(objects: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Call
     return lambda: len(written)
 
 
+@pytest.mark.study
 def test_equations_are_written_once(made: Callable[[], int]) -> None:
     first = building.kernel_of("rail")
     once = made()
@@ -63,6 +64,7 @@ def test_equations_are_written_once(made: Callable[[], int]) -> None:
     assert made() == once > 0
 
 
+@pytest.mark.study
 def test_changed_sources_are_written_again(made: Callable[[], int], monkeypatch: pytest.MonkeyPatch) -> None:
     building.kernel_of("rail")
     once = made()
@@ -94,6 +96,7 @@ def test_what_is_written_again_hangs_on_a_changed_file(changed: str, of_the_bogi
     assert [ROOT / changed in files for files in found] == [of_the_bogie, of_the_brake]
 
 
+@pytest.mark.study
 def test_imports_are_read_as_python_reads_them() -> None:
     for room in ROOMS:
         for path in (ROOT / room).rglob("*.py"):
@@ -168,6 +171,7 @@ def test_a_model_is_written_once_however_many_threads_ask(monkeypatch: pytest.Mo
     assert all(model is found[0] for model in found)
 
 
+@pytest.mark.study
 def test_levels_are_written_by_one_thread_whichever_ask_which_serves(monkeypatch: pytest.MonkeyPatch) -> None:
     """Cases call it in threads: `thesis-step` crashed when two threads generated the bogie's equations."""
     writing, written = threading.Semaphore(), models.levels

@@ -18,11 +18,13 @@ def numbers(name: str) -> list[Variable]:
     return [one for one in model_of(name).variables if one.causality in ("input", "parameter") and one.kind == "real"]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", FMUS)
 def test_every_real_input_and_parameter_has_finite_limits(name: str) -> None:
     assert [one.name for one in numbers(name) if not (math.isfinite(one.minimum) and math.isfinite(one.maximum))] == []
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", DIFFERENT)
 def test_1e99_is_refused_everywhere(name: str) -> None:
     one = bb.Simulation(name)
@@ -61,6 +63,7 @@ def test_a_number_in_another_unit_is_refused_with_that_unit(values: dict[str, An
         bb.Simulation("braked-vehicle", **values)
 
 
+@pytest.mark.study
 def test_possible_and_rare_numbers_are_noted_in_the_result() -> None:
     found = bb.run("braked-vehicle", 1e-3, initial_speed=120.0, pressure_demand_1=38e3, interval=1e-3)
     assert "initial_speed is 120 m/s = 432 km/h. Did you mean 120 km/h = 33.33 m/s?" in found.messages

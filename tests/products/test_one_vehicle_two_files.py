@@ -57,6 +57,7 @@ def from_15(speed: np.ndarray, distance: np.ndarray) -> float:
     return float(distance[-1] - np.interp(-15.0, -speed, distance))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("name", "friction"), [*((name, 0.5) for name in BRAKES), ("locking", 0.1)], ids=[*BRAKES, "locked"]
 )

@@ -44,6 +44,7 @@ def refuse(*_: object) -> None:
     raise AssertionError("This was to be left alone.")
 
 
+@pytest.mark.study
 def test_of_unchanged_sources_nothing_is_generated(filled: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(prebuilt, "content_of", refuse)
     monkeypatch.setattr(building, "_in_cache", refuse)
@@ -75,6 +76,7 @@ def test_sources_that_make_the_same_are_recognised_by_what_they_make(
     assert building.up_to_date("brake", "native").is_relative_to(filled)
 
 
+@pytest.mark.study
 def test_what_was_changed_is_built(filled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The brake has other start values, and nothing except its sources shows it.
 

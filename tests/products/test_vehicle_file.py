@@ -80,6 +80,7 @@ def test_tables_of_forces_are_connections_of_body_and_frames() -> None:
     assert (damper.both_sides, damper.direction) == (True, "longitudinal")
 
 
+@pytest.mark.study
 def test_a_yaw_damper_of_a_file_acts_in_a_run_and_in_its_fmu(tmp_path: Path) -> None:
     """It joins body and frames along the track too, so that a braked body moves less over its bogies."""
     soft = SHEET | {"parameters": {"traction_rod_stiffness": 0.0, "traction_rod_damping": 0.0}}
@@ -113,6 +114,7 @@ def test_a_yaw_damper_of_a_file_acts_in_a_run_and_in_its_fmu(tmp_path: Path) -> 
         assert fmu["speed"] == pytest.approx(runs[1]["speed"][-1], rel=1e-6)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", names_of_examples())
 def test_a_written_vehicle_keeps_brake_profiles_and_resistance(name: str, tmp_path: Path) -> None:
     write_pair(thesis_pair(), tmp_path / "pair.csv")
@@ -239,6 +241,7 @@ def test_a_stop_with_discs_has_the_distance_of_the_stated_deceleration() -> None
     assert stop["distance"][-1] == pytest.approx(speed**2 / 2.2 + speed * 0.5 / math.log(20.0), rel=2e-3)
 
 
+@pytest.mark.study
 def test_values_without_effect_at_a_level_are_those_of_its_equations() -> None:
     for name in ("bogie", "vehicle"):
         model = FMUS[name].model(places=(0, 1))
@@ -248,6 +251,7 @@ def test_values_without_effect_at_a_level_are_those_of_its_equations() -> None:
             assert used & own.keys() == WITH_EFFECT[level] & own.keys()
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", [1, 3])
 def test_discs_brake_alike_at_every_level(level: int) -> None:
     """On a dry rail the distance depends on the torque alone; no value of the file is without effect."""
@@ -263,6 +267,7 @@ def test_discs_brake_alike_at_every_level(level: int) -> None:
     assert not any("has no effect" in one for one in stops[0].messages)
 
 
+@pytest.mark.study
 def test_six_axles_lie_in_threes_and_carry_the_weight() -> None:
     sheet = sheet_of({"tare": "120 t", "axles": 6, "wheel_base": "1.8 m", "pivot_distance": "11 m", "length": "20 m"})
     assert sheet.fmu is None
@@ -273,6 +278,7 @@ def test_six_axles_lie_in_threes_and_carry_the_weight() -> None:
     assert loads[1] == pytest.approx(120e3 * 9.80665 / 6, rel=1e-3)
 
 
+@pytest.mark.study
 def test_two_axles_are_an_fmu_with_own_start_values(tmp_path: Path) -> None:
     sheet = sheet_of({"tare": "12 t", "axles": 2, "wheel_base": "9 m", "wheel_diameter": "840 mm"})
     assert sheet.fmu == "bogie"
@@ -282,6 +288,7 @@ def test_two_axles_are_an_fmu_with_own_start_values(tmp_path: Path) -> None:
     assert sum(weights) == pytest.approx(12e3 * 9.80665, rel=1e-9)
 
 
+@pytest.mark.study
 def test_profiles_of_a_file_reach_runs_at_level_3_and_the_fmu(tmp_path: Path) -> None:
     write_pair(thesis_pair(), tmp_path / "pair.csv")
     (tmp_path / "wagon.toml").write_text('tare = "30 t"\naxles = 2\nprofile_file = "pair.csv"\n')

@@ -141,6 +141,7 @@ def test_two_ends_of_a_connection_get_no_force_and_no_moment_together(law: str, 
         assert np.max(np.abs(sums)) < ROUND_OFF * largest
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("law", "between"), CASES)
 def test_a_connection_gives_what_its_potential_loses_less_what_it_turns_to_heat(law: str, between: str) -> None:
     one = pair(law, between)

@@ -216,6 +216,7 @@ def test_default_tolerance_finds_the_lock_on_falling_friction(bogie: Library, to
     assert found[0][1] == pytest.approx(found[1][1], abs=1e-4)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", [PLANAR, SPATIAL])
 def test_lost_energy_equals_work_on_falling_friction(level: int) -> None:
     powers, energies = ["brake_power", "creep_power", "damping_power"], ["kinetic_energy", "potential_energy"]
@@ -243,6 +244,7 @@ def test_derivatives_are_finite_without_sliding(bogie: Library, level: int, spee
     assert np.all(np.isfinite(kernel.linearise().jacobian))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", LEVELS)
 def test_jacobian_is_exact_on_falling_friction_within_the_end_of_a_patch(bogie: Library, level: int) -> None:
     """Compare with central differences, on a patch that grows over a kilometre while the wheels skid."""

@@ -127,6 +127,7 @@ def pressed_place(one: Side, rng: np.random.Generator, approach: float) -> np.nd
     return place
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("pair", PAIRS)
 def test_elastic_forces_are_the_derivatives_of_the_energy(pair: str) -> None:
     one, rng = PAIRS[pair]().left, np.random.default_rng(1)
@@ -139,6 +140,7 @@ def test_elastic_forces_are_the_derivatives_of_the_energy(pair: str) -> None:
         assert forces[1] > 1e3
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("pair", PAIRS)
 def test_no_work_is_done_over_a_closed_cycle_without_friction(pair: str) -> None:
     """Ellipses of 1 to 100 um and urad in lateral position, height, yaw and roll, about random positions."""
@@ -197,6 +199,7 @@ def entry(**values: float | str) -> tuple[float, float, int]:
     return float(loads.max()), float(loads.min()), int(found.counts["steps"])
 
 
+@pytest.mark.study
 def test_measured_wheels_run_calmly_into_a_curve(tmp_path: Path) -> None:
     most, least, steps = entry()
     for name, pair in PAIRS.items():

@@ -345,6 +345,7 @@ def test_planar_bogie_held_by_its_brakes_does_not_creep_away_under_a_pull(bogie:
 # -- energy and numerics ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("reaction", [0.0, 1.0])
 @pytest.mark.parametrize("torque", [20e3, 60e3])
 def test_lost_energy_equals_brake_creep_and_damping_work(reaction: float, torque: float) -> None:
@@ -365,6 +366,7 @@ def test_lost_energy_equals_brake_creep_and_damping_work(reaction: float, torque
     assert abs(lost - sum(wrong.values())) > ENERGY_BAND * lost
 
 
+@pytest.mark.study
 def test_undamped_rocking_keeps_its_energy() -> None:
     """Forces and potential of the suspension are consistent: 700 J oscillate between them without a loss.
 
@@ -385,6 +387,7 @@ def test_undamped_rocking_keeps_its_energy() -> None:
     assert np.ptp(total) < 1e-8 * swing
 
 
+@pytest.mark.study
 def test_kernel_follows_another_method_through_a_skid() -> None:
     """SciPy's Radau on the symbolic equations, 100 times tighter, from 25 m/s with 45 kN.m while all wheels turn."""
     system = planar_vehicle(two_axle_bogie())
@@ -427,6 +430,7 @@ def test_kernel_follows_another_method_through_a_skid() -> None:
 STOP_TIME_BAND, STOP_DISTANCE_BAND = 2e-3, 5e-3
 
 
+@pytest.mark.study
 def test_host_step_is_not_an_integration_step(bogie: Library) -> None:
     stops = []
     for size in (1e-4, 1e-3, 1e-2, 3e-2):

@@ -85,6 +85,7 @@ COLUMNS = {name: column(name) for name in ("c11", "c22", "c23")}
 TABLE_RATIOS = np.array([*range(1, 11), *(100 / i for i in range(9, 0, -1))]) / 10
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", list(COLUMNS))
 def test_kalkers_coefficients_between_the_points_of_his_table_lie_on_a_smooth_curve(name: str) -> None:
     """Compare a cubic of ln c over ln(a/b) and the polynomials for a moving contact with the factor on the limits."""
@@ -216,6 +217,7 @@ def linearly_interpolated(ratio: float) -> Kalker:
     return Kalker(*(ca.SX(np.interp(coordinate, 0.1 * np.arange(1, 20), column)) for column in COLUMNS.values()))
 
 
+@pytest.mark.study
 def test_forces_are_near_the_exact_theory_and_equal_to_polachs_law() -> None:
     """Without spin within Polach's distance from CONTACT; always within a newton of another evaluation of his law."""
     rows = list(csv.DictReader(EXACT.read_text().splitlines()))
@@ -234,6 +236,7 @@ def test_forces_are_near_the_exact_theory_and_equal_to_polachs_law() -> None:
             assert off < POLACH_BAND * value["friction"] * value["load_N"]
 
 
+@pytest.mark.study
 def test_kalkers_coefficients_hang_on_poissons_ratio_as_his_table_has_it() -> None:
     """Three columns at their ratios, the values for steel in docs/limits.md between them, and the default at 0.25."""
     for nu, c11 in ((0.0, 3.40), (0.25, 4.12), (0.5, 5.20)):

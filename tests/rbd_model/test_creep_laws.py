@@ -115,6 +115,7 @@ def slopes(law: CreepLaw, a: float, b: float) -> np.ndarray:
     return np.array(found).T
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("ratio", [0.3, 1.2, 2.6])
 @pytest.mark.parametrize("name", KALKERS)
 def test_small_creepages_give_kalkers_three_slopes_and_no_others(name: str, ratio: float) -> None:
@@ -183,6 +184,7 @@ def test_a_turned_creepage_turns_the_force_where_both_stiffnesses_are_equal(name
     assert np.abs(found - expected).max() < ROUND_OFF * np.abs(straight).max()
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", ALL)
 def test_forces_are_mirrored_with_the_creepages(name: str) -> None:
     """Mirror left to right, and reverse all signs. Theory requires both, and thus also the reversal of the direction of
@@ -209,6 +211,7 @@ def test_more_creepage_gives_no_less_force_without_spin(name: str) -> None:
 # -- properties of 1e5 patches --------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", ALL)
 def test_creep_takes_energy_and_never_more_than_friction_allows_on_1e5_patches(name: str) -> None:
     """Every other patch is without spin: there F . sliding <= 0. With spin this includes the moment, which no law
@@ -253,6 +256,7 @@ DEGENERATE = np.array(
 )
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", ALL)
 def test_value_and_derivatives_are_numbers_everywhere(name: str) -> None:
     """Derivatives by all seven: creepages, load, friction, semi-axes; at zero creepage, at kinks of the laws, and at
@@ -266,6 +270,7 @@ def test_value_and_derivatives_are_numbers_everywhere(name: str) -> None:
         assert np.isfinite(np.array(found)).all()
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", SATURATING)
 def test_forces_change_without_jumps(name: str) -> None:
     """From patch to patch through psi = 1 and full slip: a hundredth of the step changes a force at most a tenth as
@@ -362,6 +367,7 @@ def order(law: Callable[[int], CreepLaw], counts: tuple[int, ...]) -> float:
     return math.log2(differences[0] / differences[-1]) / (len(differences) - 1)
 
 
+@pytest.mark.study
 def test_fastsim_without_spin_converges_to_its_closed_form_with_order_one() -> None:
     """The scheme is implicit Euler, as in Kalker's programs: the extrapolated error is 0.1 % of mu N."""
     points = MIXED * [1, 1, 0, 1, 1, 1, 1]
@@ -377,6 +383,7 @@ def test_fastsim_with_spin_converges_with_order_one() -> None:
     assert order(grid_of, (5, 10, 20, 40)) == pytest.approx(1.0, abs=ORDERS)
 
 
+@pytest.mark.study
 def test_fastsim_is_kalkers_to_their_common_limit() -> None:
     """Compare with another program of the published scheme, both extrapolated by their order; 0.1 % of mu N."""
     ours = 2 * forces(grid_of(40), MIXED) - forces(grid_of(20), MIXED)
@@ -385,6 +392,7 @@ def test_fastsim_is_kalkers_to_their_common_limit() -> None:
     assert size(forces(grid_of(40), MIXED) - theirs[1]) > 0.1
 
 
+@pytest.mark.study
 def test_strip_theory_converges_with_order_two_and_fastrip_with_order_one() -> None:
     finest = forces(strip_theory(24), MIXED)
     errors = [size(forces(strip_theory(count), MIXED) - finest) for count in (4, 12)]
@@ -422,6 +430,7 @@ def exact_rows() -> tuple[np.ndarray, np.ndarray]:
     return table[:, :7], table[:, 7:]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", ASKED)
 def test_distance_from_the_exact_theory_is_within_what_is_asked(name: str) -> None:
     points, exact = exact_rows()
@@ -495,6 +504,7 @@ def curves(
     return at_creepages
 
 
+@pytest.mark.study
 def test_the_wheel_is_that_of_the_curves() -> None:
     """FASTSIM is within 1.5 % of mu N of CONTACT. Half of it is the slope, which is 3 % above Kalker's table there."""
     creepage, coefficient = traction("fastsim_coulomb")
@@ -503,6 +513,7 @@ def test_the_wheel_is_that_of_the_curves() -> None:
     assert np.abs(found - coefficient).max() < 0.015 * 0.33
 
 
+@pytest.mark.study
 def test_modified_fastsim_follows_its_curve_with_the_printed_parameters() -> None:
     """No fit: k_0, alpha, beta and the friction are those of the curve. With constant slopes the law fails."""
     creepage, coefficient = traction("modified_fastsim_falling")

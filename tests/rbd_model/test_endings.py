@@ -45,6 +45,7 @@ def said_in_curve(library: Library, folder: Path, arm: float, sign: float) -> li
     return kernel.messages
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("sign", "inner", "outer"), [(1.0, "left", "right"), (-1.0, "right", "left")])
 def test_a_vehicle_overturns_where_rigid_statics_say(patched: Library, tmp_path: Path, sign, inner, outer) -> None:  # type: ignore[no-untyped-def]
     assert not any("verturn" in line for line in said_in_curve(patched, tmp_path, FACE - PLAY, sign))

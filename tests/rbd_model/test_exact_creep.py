@@ -111,6 +111,7 @@ def test_exact_theory_and_published_forces_have_the_same_limit_of_fine_cells() -
     assert off[-1] < EXTRAPOLATED_POLE
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("ratio", "nu"), [(0.1, 0.25), (0.3, 0.25), (1.0, 0.25), (1 / 0.3, 0.25), (10.0, 0.25), (0.3, 0.28), (10.0, 0.28)]
 )
@@ -124,6 +125,7 @@ def test_small_creepages_give_kalkers_coefficients(ratio: float, nu: float) -> N
     assert -slopes[2, 1] == pytest.approx(float(table.c23), rel=TABLE_E3)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("ratio", [15.0, 20.0, 30.0])
 def test_small_creepages_on_the_long_ellipses_of_flanges_give_what_a_moving_contact_takes(ratio: float) -> None:
     used, space = smooth_kalker_coefficients(ca.SX(math.log(ratio))), half_space(ratio, COARSE)
@@ -153,6 +155,7 @@ def test_stress_obeys_coulomb_and_sliding_takes_energy_in_every_cell() -> None:
     assert np.all((slip * stress).sum(axis=0)[~found.sticks] <= 1e-9)
 
 
+@pytest.mark.study
 def test_stored_states_are_those_of_the_maker() -> None:
     """Check three of 1000 states with the maker's cells; one has a wide patch."""
     states, forces = read()
@@ -175,6 +178,7 @@ AT_RANDOM: dict[str, tuple[CreepLaw, dict[str, tuple[float, float]]]] = {
 }
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", AT_RANDOM)
 def test_distance_at_random_states_is_what_is_told(name: str) -> None:
     law, bands = AT_RANDOM[name]
@@ -223,6 +227,7 @@ FAR = (
 )
 
 
+@pytest.mark.study
 def test_table_of_exact_theory_is_as_near_beyond_three_times_saturation() -> None:
     states = np.array([one[:4] for one in FAR])
     assert np.all(linear_forces(states) > 2 * LARGEST)
@@ -232,6 +237,7 @@ def test_table_of_exact_theory_is_as_near_beyond_three_times_saturation() -> Non
     assert off.max() < BEYOND
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("index", [(4, 10, 6, 5), (4, 10, 9, 2)])
 def test_table_that_ships_holds_what_its_maker_computes(index: tuple[int, int, int, int]) -> None:
     """At two places, one with a wide ellipse. Other cells differ by up to 1 % of mu N there."""
@@ -246,6 +252,7 @@ def test_table_that_ships_holds_what_its_maker_computes(index: tuple[int, int, i
 NAMED = 2.5
 
 
+@pytest.mark.study
 def test_fastrip_follows_strong_spin_where_enough_cells_follow_its_slip() -> None:
     """Slip turns along a strip: the error is 2.7 % with 8 cells, 2.1 % with 16, and 6.4 % for FASTSIM with 20."""
     point = np.array([[0.0, -0.001, 1.0, 80e3, 0.3, 8e-3, 4e-3]])
@@ -260,6 +267,7 @@ def test_fastrip_follows_strong_spin_where_enough_cells_follow_its_slip() -> Non
 SLOPES = (0.1, 0.05)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("ratio", "turning"), [(0.7, 0.1), (0.7, 0.2), (1.5, 0.1), (1.5, 0.2)])
 def test_default_law_has_the_slopes_of_exact_theory_about_steady_spin(ratio: float, turning: float) -> None:
     """Eigenvalues of a vehicle depend on them; turning: linear force of the spin over mu N."""
@@ -280,6 +288,7 @@ def test_default_law_has_the_slopes_of_exact_theory_about_steady_spin(ratio: flo
 FLANGE, FLANGE_ERROR = (0.01, 0.005, 1.85, 14e3, 0.3, 6.52e-3, 0.383e-3), 5.0
 
 
+@pytest.mark.study
 def test_flange_slides_against_its_mean_sliding_although_it_spins() -> None:
     point = np.array([FLANGE])
     ratio, given = scaled(point)
@@ -295,6 +304,7 @@ def test_flange_slides_against_its_mean_sliding_although_it_spins() -> None:
 BOTH_WAYS, MANCHESTER_AHEAD, MANCHESTER_ASIDE = 5.0, 3.2, 4.3
 
 
+@pytest.mark.study
 def test_default_law_is_near_at_every_half_millimetre_of_the_manchester_benchmark_at_any_friction() -> None:
     """Patches of model 2 by their ellipses, loads and creepages. Some of them have spin of 60 times saturation."""
     rows = list(csv.DictReader((ROWS.parent / "manchester.csv").read_text(encoding="utf-8").splitlines()))

@@ -91,6 +91,7 @@ def standing(bench: Library, **values: float) -> Kernel:
     return kernel
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("force", [300.0, -2000.0])
 def test_a_mass_released_on_a_stop_keeps_its_energy(bench: Library, force: float) -> None:
     """It is pulled through the clearance: F x = m v^2 / 2 + the area under the lines, at each moment."""
@@ -191,6 +192,7 @@ def as_tables(vehicle: Vehicle) -> Vehicle:
     return replace(vehicle, connections=tuple(connections))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_straight_tables_are_springs_and_dampers_at_every_level(level: int) -> None:
     values: dict[str, Any] = {"initial_speed": 20.0, "brake_torque_1": 8e3, "brake_torque_2": 6e3, "level": level}

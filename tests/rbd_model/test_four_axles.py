@@ -84,6 +84,7 @@ def test_closed_forms_are_the_published_frequencies() -> None:
     assert list(closed_forms(manchester_vehicle_1()).values()) == pytest.approx(list(expected), rel=1e-4)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", [PLANAR, SPATIAL])
 def test_frequencies_on_vertical_springs_are_the_closed_forms(
     vehicle: Library, systems: tuple[System, ...], level: int
@@ -153,6 +154,7 @@ def observed() -> Library:
 LEFT_RIGHT = (*(f"lateral_{n}" for n in NUMBERS), *(f"yaw_{n}" for n in NUMBERS), "body_roll", "front_frame_yaw")
 
 
+@pytest.mark.study
 def test_a_vehicle_mirrored_left_to_right_gives_the_mirrored_answer(observed: Library) -> None:
     braked = {"brake_torque_1": 8e3, "brake_torque_4": 4e3, "initial_speed": 20.0, "tolerance": 1e-10}
     sides = []
@@ -169,6 +171,7 @@ def test_a_vehicle_mirrored_left_to_right_gives_the_mirrored_answer(observed: Li
         assert loads[0] == pytest.approx(loads[1], rel=MIRROR_BAND)
 
 
+@pytest.mark.study
 def test_a_vehicle_mirrored_front_to_back_gives_the_mirrored_answer(observed: Library) -> None:
     ways = []
     for sign in (1, -1):
@@ -187,6 +190,7 @@ def test_a_vehicle_mirrored_front_to_back_gives_the_mirrored_answer(observed: Li
         )
 
 
+@pytest.mark.study
 def test_lost_energy_is_the_work_of_brakes_creep_and_dampers(observed: Library) -> None:
     """Two wheelsets lock, the body rocks and rolls; an error of 1e-6 in the creep work would be detected."""
     brakes = {"brake_torque_1": 9e3, "brake_torque_2": 20e3, "brake_torque_3": 9e3, "brake_torque_4": 20e3}

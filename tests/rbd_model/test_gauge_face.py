@@ -57,6 +57,7 @@ def creep(stand: Stand, motion: WheelVelocity, friction: float, gauge_face: floa
     return press_wheel(PAIR, STEEL, friction, stand, motion, gauge_face).force - smooth
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("shift", "on_face"), [(3.0, False), (8.0, True)])
 def test_strips_on_the_gauge_face_creep_with_its_friction_and_others_with_that_of_the_head(
     shift: float, on_face: bool

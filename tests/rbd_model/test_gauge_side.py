@@ -55,6 +55,7 @@ def conicity(rail: Profile, wheel: Profile) -> float:
     return float(equivalent_conicity(pair, COMPARED, rolls=False)[0])
 
 
+@pytest.mark.study
 def test_a_rail_and_a_wheel_from_either_side_have_the_same_conicity(tmp_path: Path) -> None:
     """Upside down, from the other side and backwards: the standard's 0.188 at 3 mm less 0.002 of smoothing."""
     found = []
@@ -70,6 +71,7 @@ def test_a_rail_and_a_wheel_from_either_side_have_the_same_conicity(tmp_path: Pa
     assert np.ptp(np.array(found), axis=0) == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("mirror", [1, -1])
 @pytest.mark.parametrize(
     ("points", "reason", "lean"),
@@ -92,6 +94,7 @@ def test_the_gauge_side_is_where_a_rail_leans_or_is_worn(
     assert found.lean == (None if lean is None else pytest.approx(lean, rel=0.02))
 
 
+@pytest.mark.study
 def test_an_upright_head_without_wear_has_no_side_and_is_laid_inwards(tmp_path: Path) -> None:
     rails = [read_profile(written(head(0.0), tmp_path, (way, 1, 1)), "rail", 1 / 40) for way in (1, -1)]
     assert {str(rail.gauge_side) for rail in rails} == {"none (symmetric and upright)"}
@@ -101,6 +104,7 @@ def test_an_upright_head_without_wear_has_no_side_and_is_laid_inwards(tmp_path: 
         assert rail.height(y) == pytest.approx(laid.height(y), abs=2e-6)
 
 
+@pytest.mark.study
 def test_a_side_that_is_given_counts(tmp_path: Path) -> None:
     path = written(worn(head(0.0)), tmp_path, (-1, 1, 1))
     given, found = read_profile(path, "rail", side="y+"), read_profile(path, "rail")
@@ -109,6 +113,7 @@ def test_a_side_that_is_given_counts(tmp_path: Path) -> None:
     assert read_profile(path, "rail", side="y-") != found
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("points", "kind", "more", "sentence"),
     [

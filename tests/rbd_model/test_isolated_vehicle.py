@@ -126,6 +126,7 @@ class Flying:
         return sum(self.kernel[name] for name in ENERGIES)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("on_line", TRACKS)
 def test_momentum_changes_by_the_weight_alone(on_line: bool, tmp_path: Path) -> None:
     """Linear and angular momentum of the whole, with every connection deflected and every brake applied."""
@@ -155,6 +156,7 @@ def test_energy_goes_into_heat_alone(on_line: bool, tmp_path: Path) -> None:
         assert abs(gained + lost) < ENERGY_BAND * sum(map(abs, powers.values())), (seed, gained, powers)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("on_line", TRACKS)
 def test_every_connection_pushes_each_body_as_its_potential_and_its_dampers_say(on_line: bool, tmp_path: Path) -> None:
     """Momentum does not depend on the body that carries a connection's directions; compare with maximal coordinates."""

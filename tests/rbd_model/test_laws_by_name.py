@@ -39,6 +39,7 @@ def slip_ratio(law: str, torque: float, level: int) -> float:
     return kernel["slip_ratio_1"]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", [1, 2])
 def test_a_wheelset_creeps_by_the_law_that_its_vehicle_names(level: int) -> None:
     small, large = (slip_ratio("kalker-linear", torque, level) for torque in (SMALL, LARGE))
@@ -58,6 +59,7 @@ def test_no_law_answers_where_the_ellipse_is_longer_than_its_tables(law: str) ->
         kernel.advance(0.1)
 
 
+@pytest.mark.study
 def test_strips_are_left_out_where_a_law_would_not_act_on_them() -> None:
     bogie = replace(vehicle("bogie"), creep_law="fastrip")
     assert [one.name for one in model_from(bogie, (0, STRIPS)).systems] == ["point"]
@@ -72,6 +74,7 @@ def test_a_law_of_a_script_is_one_line_and_a_wrong_name_is_refused(monkeypatch: 
     assert slip_ratio("mine", LARGE, 1) == slip_ratio("shen-hedrick-elkins", LARGE, 1)
 
 
+@pytest.mark.study
 def test_a_run_takes_a_law_by_its_name_or_a_function() -> None:
     """The default law keeps the FMU; others are those of the vehicle as data, in runs, fits, batches and sweeps."""
     braked = {"level": 1, "brake_torque_1": LARGE, "initial_speed": 20.0}
@@ -96,6 +99,7 @@ def test_a_run_takes_a_law_by_its_name_or_a_function() -> None:
     assert rows["slip_ratio_1"][0] == pytest.approx(named, rel=1e-6)
 
 
+@pytest.mark.study
 def test_poissons_ratio_is_that_of_a_run_and_one_beyond_its_limits_is_refused() -> None:
     """Far below friction slip grows with 1 / (c11 a b), a b with (1 - nu)^(2/3), Kalker (1990) and (3.84)."""
     braked = {"level": 1, "brake_torque_1": SMALL, "brake_torque_2": SMALL, "initial_speed": 20.0}

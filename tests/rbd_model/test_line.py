@@ -157,6 +157,7 @@ def written(tmp_path: Path):  # type: ignore[no-untyped-def]
 SEEN = ("speed", "distance", "lateral_1", "yaw_1", "wheel_load_1_left", "wheel_load_2_right", "frame_roll")
 
 
+@pytest.mark.study
 def test_a_line_of_many_segments_is_the_same_line(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
     found = []
     for segments in (winding(), [piece for segment in winding() for piece in cut(segment, 7)]):
@@ -186,6 +187,7 @@ def mirror_errors(library: Library, line: Line, written, tolerance: float, secon
     return {name: abs(one[name][-1] - expected[name]) / float(np.max(np.abs(one[name]))) for name in names}
 
 
+@pytest.mark.study
 def test_a_mirrored_line_gives_a_mirrored_answer(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
     """Through a transition with cant ramp and gradient into a curve, flanges against the rails; 1.3e-9 at 1e-10."""
     errors = mirror_errors(patched, curving(), written, 1e-11, 3.0)
@@ -208,6 +210,7 @@ def blend_in(distance: np.ndarray, first: float, last: float) -> np.ndarray:
     return np.asarray(share**3 * (10 - 15 * share + 6 * share**2))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", ["planar", "patched"])
 @pytest.mark.parametrize("braked", [0.0, 8e3])
 def test_energy_closes_over_curves_and_hills(level, braked, written, request) -> None:  # type: ignore[no-untyped-def]
@@ -305,6 +308,7 @@ def test_a_closed_circle_leads_back(written, patched: Library) -> None:  # type:
         assert after[place] - before[place] == pytest.approx(turn, abs=CIRCLE_BAND), name
 
 
+@pytest.mark.study
 def test_a_free_wheelset_follows_its_rolling_line(wheelset: Library, written) -> None:  # type: ignore[no-untyped-def]
     """Redtenbacher (1855): y = r0 l / (conicity R), as the mean over the waves of Klingel (1883) about it."""
     pair, radius_of_wheel = thesis_pair(), two_axle_bogie().parameters.wheel_radius
@@ -380,6 +384,7 @@ def linear() -> Library:
     return on_line(spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), contact, True))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("stiffness", [1e5, 9.5e6, 1e9])
 def test_a_bogie_steers_as_linear_theory_says(linear: Library, stiffness: float, written) -> None:  # type: ignore[no-untyped-def]
     """Lateral shift of both wheelsets and the difference of their yaw, with the soft springs of Table 5.1 and rigid in

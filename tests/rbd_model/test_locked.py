@@ -46,6 +46,7 @@ def run(level: str, axles: int, seconds: float, torque: float, **values: float) 
     return kernel, {name: np.array(column) for name, column in table.items()}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("level", "axles"), [("point", 2), ("point", 12), ("planar", 2), ("planar", 4), ("planar", 12)]
 )

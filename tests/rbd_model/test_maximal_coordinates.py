@@ -160,6 +160,7 @@ def compare(name: str, on_line: bool, seed: int) -> None:
     assert max(exact.wheelsets, exact.forces) < EXACT_BAND, (seed, exact)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("on_line", [False, True])
 def test_accelerations_and_wheel_forces_are_those_of_maximal_coordinates(on_line: bool) -> None:
     for seed in range(FEW):
@@ -179,6 +180,7 @@ def flanging(name: str, on_line: bool) -> int:
     return next(seed for seed in range(MANY) if answered(name, on_line, seed).forces[1, 0][1] != 0.0)
 
 
+@pytest.mark.study
 def test_error_of_the_grid_falls_with_the_square_of_its_pitch() -> None:
     """Compare wheel forces of the oracle on two grids with those on the next finer one, with a loaded flange."""
     seed = flanging("bogie", False)
@@ -314,6 +316,7 @@ def on_ramp() -> int:
     return next(seed for seed in range(MANY) if snapshot("bogie", True, seed).course.roll[1] != 0.0)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("wrong", WRONG)
 def test_one_thing_wrong_in_the_oracle_shows(wrong: str) -> None:
     """On a line only bodies are compared, because sloping rails are not prisms."""

@@ -205,6 +205,7 @@ def check(found: np.ndarray, band: float) -> None:
 SHORT = [("lateral_stiffness", 0.1), ("lateral_stiffness", 10.0)]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", VEHICLES)
 def test_rails_carry_the_moments_of_a_braked_vehicle_in_its_plane(name: str, tmp_path: Path) -> None:
     """Level 2, on level track and on a gradient, with each stiffness in turn."""

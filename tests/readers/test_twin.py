@@ -88,6 +88,7 @@ def check_twins(host: Path, paths: Sequence[Path]) -> int:
     return taken
 
 
+@pytest.mark.study
 def test_spoilt_lines_are_read_and_refused_alike(host: Path, folder: Path) -> None:
     paths = []
     for number, data in enumerate(mutated(LINES, COUNT, seed=147)):

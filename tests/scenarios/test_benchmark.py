@@ -193,6 +193,7 @@ def test_a_program_that_fails_has_a_dash_and_a_reason(
     assert f"mine failed on constant-force, point 1: {said}" in capsys.readouterr().out
 
 
+@pytest.mark.study
 def test_twelve_axles_of_en_14531_1(tmp_path: Path) -> None:
     """The exact integral within 0.01 %, the mean-value method as published, and its error over the integral."""
     scored = score(read_case(CASES / "en-14531-1-twelve-axles.toml"), programs()[0])
@@ -205,6 +206,7 @@ def test_twelve_axles_of_en_14531_1(tmp_path: Path) -> None:
     assert found[mean, "distance"].errors == pytest.approx([0.0024, 0.0024, 0.0027], abs=2e-4)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     "name", ["coasting", "two-vehicle-impact", "rsgeo-contact", "rsgeo-kalker", "manchester-contact"]
 )
@@ -256,6 +258,7 @@ shoe_force = { variable = "shoe_force", factor = 0.5 }
 """
 
 
+@pytest.mark.study
 def test_an_fmu_answers_by_a_map(fmus: dict[tuple[str, str], Path], tmp_path: Path) -> None:
     """The shoe force of the cylinder over its pressure is that of the brake's parameters; another map is refused."""
     fmu, case = fmus["brake", "native"], read_case(CASES / "qr30-bogie.toml")

@@ -47,6 +47,7 @@ def fastest_application(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(asymmetric_braking, name, cases)
 
 
+@pytest.mark.study
 @pytest.mark.usefixtures("fastest_application")
 @pytest.mark.parametrize("name", IN_SPACE)
 def test_numbers_are_converged(name: str, monkeypatch: pytest.MonkeyPatch) -> None:

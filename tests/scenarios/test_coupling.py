@@ -39,6 +39,7 @@ def distance(fmus: dict, master: Master, step: float) -> tuple[float, Coupling]:
         return bogie["distance"], coupling
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("master", "order"),
     [

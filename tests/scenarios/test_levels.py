@@ -215,6 +215,7 @@ def test_smallest_level_takes_load_transfer_where_its_absence_is_seen() -> None:
     assert min(above[family] for family in RIGHT_BELOW) > 10 * RIGHT
 
 
+@pytest.mark.study
 def test_point_level_misses_the_lock_up_between_the_two_boundaries(monkeypatch: pytest.MonkeyPatch) -> None:
     found = levels.measure((0.3, 0.65, 0.9, 1.1), (1.0,), repeats=1)
     spatial, point = found.trailing_boundary("spatial"), found.trailing_boundary("point")

@@ -123,6 +123,7 @@ def test_bogie_on_a_gradient_gains_speed_by_gravity_and_traction(level: int) -> 
     assert gradient.acceleration(series) != pytest.approx(steeper, rel=gradient.BAND)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("radius", [200.0, 600.0, math.inf])
 def test_derailment_quotient_of_a_braked_wheel_is_that_of_exact_theory(radius: float, tmp_path: Path) -> None:
     """Polach's law is too high by 0.014 at 600 m and on straight track, where braking takes the force of spin."""

@@ -95,6 +95,7 @@ def run_quickly(name: str, monkeypatch: pytest.MonkeyPatch, arguments: list[str]
     return main(["run", name, *arguments])
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", [scenario.name for scenario in SCENARIOS])
 def test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_picture(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -142,6 +143,7 @@ def test_known_deviations_are_on_the_page_of_checks() -> None:
     assert set(re.findall(r"^\| `([\w-]+)` \|", table, re.MULTILINE)) == set(MISSES)
 
 
+@pytest.mark.study
 def test_pythonfmu_gives_the_same_table(tmp_path: Path) -> None:
     tables = []
     for kind in ("native", "python"):
@@ -150,6 +152,7 @@ def test_pythonfmu_gives_the_same_table(tmp_path: Path) -> None:
     assert tables[0] == tables[1]
 
 
+@pytest.mark.study
 def test_row_that_does_not_hold_gives_exit_status_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(qr30, "APPLICATION_TIME", 0.4)
     assert main(["run", "qr30-180kpa", "--out", str(tmp_path), "--step", "0.01"]) == 1
@@ -157,6 +160,7 @@ def test_row_that_does_not_hold_gives_exit_status_1(tmp_path: Path, monkeypatch:
     assert rows["pressure 0.8 s after application"] is False
 
 
+@pytest.mark.study
 def test_fitted_torque_locks_where_it_was_fitted_to(tmp_path: Path) -> None:
     """This is a fit and not a finding, so the scenario has no verdict for it (section 8.3.3)."""
     assert main(["run", "qr30-180kpa", "--out", str(tmp_path), "--step", "0.01"]) == 0
@@ -236,6 +240,7 @@ def test_binary_file_is_not_a_history(tmp_path: Path) -> None:
         read_torque_history(path)
 
 
+@pytest.mark.study
 def test_failure_while_writing_leaves_the_old_results(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

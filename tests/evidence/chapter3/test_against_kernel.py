@@ -89,6 +89,7 @@ def differences(snapshot: Snapshot, oracle: Mechanism) -> tuple[float, float]:
     return worst, float(np.abs(np.array(normals) - answer.normal_forces).max()) / load
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("wheelsets", [1, 2, 4])
 def test_accelerations_and_normal_forces_are_those_of_chapter_3(wheelsets: int) -> None:
     """The states are random states of the fast model; eqs (3.73), (3.75), (3.76), (3.81)."""
@@ -142,6 +143,7 @@ def without(term: str, snapshot: Snapshot, patch: pytest.MonkeyPatch) -> Mechani
     return oracle
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("term", ["gyroscopic", "spin", "flange", "damping"])
 @pytest.mark.parametrize("wheelsets", [1, 2])
 def test_a_missing_term_is_found(term: str, wheelsets: int, monkeypatch: pytest.MonkeyPatch) -> None:

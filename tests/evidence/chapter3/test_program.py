@@ -77,6 +77,7 @@ def wheelset_on_a_wave() -> tuple[Mechanism, MechanismState]:
     return mechanism, rolling(mechanism, SPEED)
 
 
+@pytest.mark.study
 def test_constraints_hold_and_euler_parameters_keep_their_norm() -> None:
     """Eqs (3.6), (3.107)-(3.124): at every step, over more than one revolution of the wheel."""
     mechanism, begin = wheelset_on_a_wave()
@@ -91,6 +92,7 @@ def test_constraints_hold_and_euler_parameters_keep_their_norm() -> None:
     assert max(norms) < NORM_BAND
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("whole", [True, False])
 def test_rails_with_irregularities_do_no_work(whole: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Energy of wheelset and frame less the suspension's work, without friction. A wrong Q_d of (3.72) violates it."""

@@ -47,6 +47,7 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     return built
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("version", [2, 3])
 def test_it_is_valid(fmu: Callable[..., Path], version: int) -> None:
     assert validate_fmu(str(fmu(version))) == []
@@ -83,6 +84,7 @@ def situation(rng: np.random.Generator, on_line: bool) -> dict[str, Any]:
     return found | ({"distance": rng.uniform(0.0, 3000.0)} if on_line else {"gradient": rng.uniform(-0.02, 0.02)})
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("line", [None, HILLS], ids=["gradient", "line"])
 def test_limits_are_those_of_the_curves_in_numpy(

@@ -69,6 +69,7 @@ def linked_out(path: Path) -> None:
     path.symlink_to(path.parents[1] / "elsewhere")
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("damage", [cut, flipped, emptied, without_checksum, linked_out], ids=lambda one: one.__name__)
 def test_a_library_that_is_not_whole_is_compiled_again(damage: Callable[[Path], None], cache: Path) -> None:
     before = made().read_bytes()
@@ -87,6 +88,7 @@ def test_every_object_of_a_library_is_looked_at(cache: Path) -> None:
     assert made().read_bytes() == before
 
 
+@pytest.mark.study
 def test_a_note_that_is_cut_off_counts_for_nothing(cache: Path) -> None:
     """Regression test: half of a table of variables was read as a complete one."""
     texts = iter(["[1, 2, 3]", "[4]"])

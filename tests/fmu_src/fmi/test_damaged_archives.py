@@ -125,6 +125,7 @@ WRONG = {
 }
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("damage", WRONG)
 def test_what_is_wrong_is_one_sentence_and_leaves_nothing(
     damage: str, whole: Path, temporary: Path, tmp_path: Path
@@ -292,6 +293,7 @@ print(sum(counts.values()), counts[False] > counts[True], longest < 5.0)
 """
 
 
+@pytest.mark.study
 def test_a_thousand_damaged_archives_end_no_process_and_leave_nothing(whole: Path, tmp_path: Path) -> None:
     """An instance that is still open when Python ends is cleaned up, too."""
     (tmp_path / "temporary").mkdir()

@@ -84,6 +84,7 @@ def take(one: Host, state: bytes, place: c_void_p) -> int:
     return one.raw("DeSerializeFMUstate", state, size, byref(place))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("name", "kind"), SHIPPED)
 def test_each_damaged_state_is_refused_with_one_sentence(name: str, kind: str, fmus: dict, tmp_path: Path) -> None:
     draw, place = random.Random(f"{name} {kind}"), c_void_p()

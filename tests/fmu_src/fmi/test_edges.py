@@ -59,6 +59,7 @@ def test_no_step_goes_past_the_stop_time(sleds: dict, kind: str, start: float) -
         assert sled.step(start + 10 * STEP) == ERROR
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", NATIVE)
 @pytest.mark.parametrize("start", [0.0, 3.0, UNIX])
 @pytest.mark.parametrize("size", [0.1, STEP, 1e-5])
@@ -74,6 +75,7 @@ def test_round_off_of_the_time_stops_no_run(sleds: dict, kind: str, start: float
                 time += size
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", NATIVE)
 @pytest.mark.parametrize("stop", [0.999, -1.0, math.nan, -math.inf])
 def test_stop_before_the_start_is_refused(sleds: dict, kind: str, stop: float) -> None:
@@ -264,6 +266,7 @@ def test_named_categories_are_the_only_ones(sleds: dict, kind: str) -> None:
         assert sled.said == []
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", NATIVE)
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, 1.5, math.nan, math.inf])
 def test_tolerance_that_does_not_serve_is_warned_of(sleds: dict, kind: str, tolerance: float) -> None:

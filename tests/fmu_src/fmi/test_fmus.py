@@ -28,6 +28,7 @@ def outputs_of_the_bogie() -> list[str]:
     return [one.name for one in variables_of("bogie").values() if one.causality == "output"]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("key", BUILT)
 def test_fmpy_finds_no_problem(fmus: dict, key: tuple[str, str]) -> None:
     assert validate_fmu(str(fmus[key])) == []
@@ -77,6 +78,7 @@ def test_dependencies_come_from_the_equations(fmus: dict) -> None:
     assert found["speed"] == set()
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", [1, 2])
 def test_native_and_pythonfmu_give_the_same_trajectory(fmus: dict, level: int) -> None:
     """Compare runs through skid, lock and rest, to 1e-12 of each quantity's size. Both kinds have the same kernel."""
@@ -119,6 +121,7 @@ def test_lost_demand_applies_the_brake_in_any_host(fmus: dict, kind: str) -> Non
         assert brake.messages == ["The signal pressure_demand is lost (NaN): it counts as 350000 Pa, the safe side."]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("key", BUILT)
 def test_simulate_fmu_works_out_of_the_box(fmus: dict, key: tuple[str, str]) -> None:
     result = simulate_fmu(str(fmus[key]), stop_time=1.0)
@@ -158,6 +161,7 @@ def test_saved_state_of_the_native_fmu_is_bit_identical(fmus: dict) -> None:
         bogie.fmu.freeFMUstate(state)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
@@ -253,6 +257,7 @@ def test_pythonfmu_fmu_needs_neither_casadi_nor_this_project(fmus: dict, tmp_pat
     assert 24.9 < float(done.stdout.split()[-1]) < 25.0
 
 
+@pytest.mark.study
 def test_archives_hold_no_paths_of_the_machine_that_built_them(fmus: dict) -> None:
     root = str(Path(__file__).parents[3]).encode()
     for path in fmus.values():

@@ -75,6 +75,7 @@ def test_each_train_has_its_guid(tmp_path: Path) -> None:
     assert train(plain, tmp_path) == found[0]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", FACES)
 def test_vehicle_files_have_names_and_guids_of_their_own(kind: str, fmus: dict, tmp_path: Path) -> None:
     about = [read_model_description(str(written(name, tmp_path, kind))) for name in FILES]
@@ -102,6 +103,7 @@ def of_a_coupler(folder: Path, kind: str) -> Path:
     return folder / "coupler.fmu"
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", FACES)
 @pytest.mark.parametrize("make", [of_a_file, of_profiles, of_a_train, of_a_coupler])
 def test_an_fmu_without_its_data_is_refused(make: Callable[[Path, str], Path], kind: str, tmp_path: Path) -> None:
@@ -117,6 +119,7 @@ def test_an_fmu_without_its_data_is_refused(make: Callable[[Path, str], Path], k
     assert f"{data.name} is missing" in refused(path, folder, named(kind, folder / "resources"))
 
 
+@pytest.mark.study
 def test_changed_data_are_refused(tmp_path: Path) -> None:
     path = written("light", tmp_path)
     changed = tmp_path / "changed.fmu"
@@ -130,6 +133,7 @@ def test_changed_data_are_refused(tmp_path: Path) -> None:
         bb.FmuInstance(changed)
 
 
+@pytest.mark.study
 def test_a_saved_state_is_of_one_vehicle(tmp_path: Path) -> None:
     with host(written("light", tmp_path)) as light, host(written("heavy", tmp_path)) as heavy:
         light.start()
@@ -138,6 +142,7 @@ def test_a_saved_state_is_of_one_vehicle(tmp_path: Path) -> None:
         assert "with the same resources" in heavy.said[-1]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", MASTERS)
 def test_two_vehicles_in_one_system_have_their_own_answers(name: str, tmp_path: Path) -> None:
     """Both files have one name, in two folders. The heavier vehicle needs 1.4 times the distance."""

@@ -84,6 +84,7 @@ def initialised(one: Host, **values: float) -> int:
     return one.raw("ExitInitializationMode")
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("exchange", [False, True])
 def test_an_initialisation_tells_of_them_in_one_sentence(path: Path, exchange: bool) -> None:
     with host(path, exchange=exchange) as one:
@@ -98,6 +99,7 @@ def test_values_of_the_start_are_told_of_by_nobody(path: Path, exchange: bool) -
         assert one.said == []
 
 
+@pytest.mark.study
 def test_a_kernel_in_python_has_it_in_its_journal() -> None:
     one = Kernel(quick_library(stones()), drag=0.5, wind=1.0)
     one.initialise()

@@ -61,6 +61,7 @@ def master(name: str) -> Callable:
     return in_fmpy if name == "fmpy" else MASTERS[name]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", MASTERS)
 def test_bogie_brakes_in_every_master(systems: Callable[[str], Path], name: str) -> None:
     outputs = (("bogie", "speed"), ("brake", "cylinder_pressure"))
@@ -73,6 +74,7 @@ def test_bogie_brakes_in_every_master(systems: Callable[[str], Path], name: str)
     assert pressure == pytest.approx(expected[1], rel=1e-6)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", MASTERS)
 def test_vehicle_brakes_in_every_master(systems: Callable[[str], Path], name: str) -> None:
     """The deceleration is the full brake torque over the mass, after the time in which the brakes apply."""
@@ -85,6 +87,7 @@ def test_vehicle_brakes_in_every_master(systems: Callable[[str], Path], name: st
     assert speed == pytest.approx(25.0 - coach().deceleration(FULL_TORQUE) * (10.0 - applying), rel=2e-3)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", MASTERS)
 def test_protection_keeps_the_wheels_rolling_in_every_master(systems: Callable[[str], Path], name: str) -> None:
     wheels = [("vehicle", f"wheel_speed_{number}") for number in (1, 2, 3, 4)]
@@ -95,6 +98,7 @@ def test_protection_keeps_the_wheels_rolling_in_every_master(systems: Callable[[
     assert distance == pytest.approx(in_fmpy(system, 5e-3, 1000, outputs)[0], rel=CONTROLLED_BAND)
 
 
+@pytest.mark.study
 def test_a_master_that_reads_no_parameters_starts_with_those_of_the_system(systems: Callable[[str], Path]) -> None:
     """FMPy does not change values in the structure. With the FMUs' own defaults the distance would be 50 m instead of 5
     m.
@@ -147,6 +151,7 @@ def test_start_values_are_read_as_all_tables_are(fmus: dict, tmp_path: Path) -> 
         assert brake["pressure_demand"] == 180000.5
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     "row", ["pressure,1", "pressure_demand", "pressure_demand,1 bar", "pressure_demand,-1", 999 * "x"]
 )
@@ -177,6 +182,7 @@ def test_wheel_speed_is_that_of_a_wheel_that_rolls(fmus: dict) -> None:
         assert vehicle["wheel_speed_2"] == pytest.approx(10.0, rel=1e-9)
 
 
+@pytest.mark.study
 @pytest.mark.skipif(
     importlib.util.find_spec("fmu_manipulation_toolbox") is None, reason="install the extra: pip install -e .[masters]"
 )

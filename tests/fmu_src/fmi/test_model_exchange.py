@@ -89,6 +89,7 @@ def first(table: np.ndarray, name: str) -> float:
 # ---- motion ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", NATIVE)
 def test_cvode_stops_the_brick_where_and_when_it_must_stop(paths: dict, kind: str) -> None:
     table = integrated(paths[kind], 3.0, ["way", "speed", "stuck"])
@@ -97,6 +98,7 @@ def test_cvode_stops_the_brick_where_and_when_it_must_stop(paths: dict, kind: st
     assert set(table["speed"][table["stuck"] == 1]) == {0.0}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", NATIVE)
 def test_force_that_grows_lets_the_brick_slide_in_time(paths: dict, kind: str) -> None:
     """The force grows by 1 N/s from t = 2 s. It exceeds the grip of 2 N at 4 s; then v = (t - 4 s)^2 / 2."""
@@ -175,6 +177,7 @@ def complete_step(one: Host) -> bool:
     return bool(crossed.value)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6])
 @pytest.mark.parametrize("torque", [8e3, 12e3, 20e3])
 def test_wheels_do_not_chatter_on_the_way_to_rest(fmus: dict, torque: float, tolerance: float) -> None:
@@ -249,6 +252,7 @@ def states_of(path: Path) -> int:
     return int(read_model_description(str(path)).numberOfContinuousStates)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", NATIVE)
 def test_euler_above_its_stability_limit_is_told_so_before_the_run_fails(fmus: dict, kind: str) -> None:
     """The method makes the coach end by wheel lift within a second. The warning comes within the first ten steps."""
@@ -503,6 +507,7 @@ ACTING = {
 }
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", NATIVE)
 @pytest.mark.parametrize("name", ACTING)
 def test_directional_derivatives_are_those_of_differences_and_of_listed_dependencies(

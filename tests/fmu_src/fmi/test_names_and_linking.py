@@ -116,6 +116,7 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     return {version: folder / f"host{version}" for version in (2, 3)}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("cc", ["", ZIG], ids=["cc", "zig"])
 def test_global_symbols_of_one_fmu_do_not_reach_another(
     opened: dict, models: dict, sources: dict, monkeypatch: pytest.MonkeyPatch, cc: str
@@ -193,6 +194,7 @@ def test_largest_sources_compile_and_run_linked_to_others(fmus: dict, opened: di
         assert numbers(found[name]) == pytest.approx(numbers(binary), rel=OPTIMISED_OTHERWISE, abs=1e-9)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("version", [2, 3])
 def test_fmus_linked_into_one_program_give_the_values_of_their_binaries(
     fmus: dict, opened: dict, models: dict, sources: dict, tmp_path: Path, version: int
@@ -251,6 +253,7 @@ def test_sources_compile_without_a_warning(fmus: dict, tmp_path: Path, name: str
     assert [name for name in strong if not name.startswith(f"Other_fmi{version}")] == []
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("version", [2, 3])
 def test_page_of_c_runs_the_fmu_opened_and_linked(fmus: dict, models: dict, tmp_path: Path, version: int) -> None:
     """The program in documentation/, compiled as its first lines specify, and FMPy agree to all digits."""

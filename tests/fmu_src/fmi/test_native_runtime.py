@@ -38,6 +38,7 @@ def compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return files
 
 
+@pytest.mark.study
 def test_what_two_want_is_compiled_once_for_the_fmu_and_for_studies(compiled: list[str]) -> None:
     """Both libraries contain the same objects.
 
@@ -56,6 +57,7 @@ def test_what_two_want_is_compiled_once_for_the_fmu_and_for_studies(compiled: li
     assert compiled == ["model.c"]
 
 
+@pytest.mark.study
 def test_machine_without_a_c_compiler_builds_with_zig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)

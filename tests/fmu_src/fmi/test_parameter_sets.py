@@ -23,6 +23,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, ParameterSet]:
     return {path.stem: read_ssv(str(path)) for path in (out / "parameters").iterdir()}
 
 
+@pytest.mark.study
 def test_every_set_is_written_under_its_name(files: dict[str, ParameterSet]) -> None:
     assert files.keys() == PARAMETER_SETS.keys()
     assert all(one.name == name for name, one in files.items())
@@ -35,6 +36,7 @@ def test_every_vehicle_has_its_set(files: dict[str, ParameterSet]) -> None:
         assert any(one == {name: own.get(name) for name in one} for one in written), vehicle.name
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", PARAMETER_SETS)
 def test_fmu_takes_its_set_and_gives_it_back(fmus: dict, files: dict[str, ParameterSet], name: str) -> None:
     fmu = PARAMETER_SETS[name].fmu

@@ -49,6 +49,7 @@ READ = {"brake": {"cylinder_pressure", "brake_torque"}, "bogie": {"speed", "angu
 SIZES = {"N": 1e5}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("platforms", SOME)
 def test_one_archive_for_several_platforms(
     platforms: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -109,6 +110,7 @@ def test_universal_binary_holds_both_parts_on_pages() -> None:
     assert int.from_bytes(both[4:8], "big") == 2
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("platform", "fmu"), RUN)
 def test_binary_runs_on_its_platform(
     platform: str, fmu: str, fmus: dict, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -50,6 +50,7 @@ def read_table(path: Path) -> np.ndarray:
     return np.genfromtxt(path, delimiter=",", names=True)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", NATIVE)
 @pytest.mark.parametrize("name", DIFFERENT)
 def test_manifest_lists_every_file_with_role_and_digest(unpacked: Unpack, name: str, kind: str) -> None:
@@ -73,6 +74,7 @@ def test_there_are_five_sets_and_three_experiments(name: str) -> None:
     assert len(experiments_of(name)) >= 3
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", DIFFERENT)
 def test_sets_and_experiments_are_inside(unpacked: Unpack, name: str) -> None:
     folder = unpacked((name, "native"))
@@ -109,6 +111,7 @@ def run(path: Path, folder: Path, experiment: etree._Element, **other: float) ->
     return found, expected
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", NATIVE)
 @pytest.mark.parametrize("name", DIFFERENT)
 def test_host_finds_the_results_of_every_experiment(fmus: Mapping, unpacked: Unpack, name: str, kind: str) -> None:
@@ -130,6 +133,7 @@ def test_another_parameter_gives_other_results(fmus: Mapping, unpacked: Unpack) 
     assert np.abs(found["distance"] - expected["distance"]).max() > 100 * ROUNDED * expected["distance"].max()
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", ["brake", "rail"])
 def test_results_are_the_same_with_another_compiler(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Archives must be identical on all build machines."""

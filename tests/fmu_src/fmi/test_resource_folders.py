@@ -132,6 +132,7 @@ def refused(path: Path, folder: Path, words: str | None) -> str:
     return sentence
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("what", ["surveyor", "coupler"])
 def test_a_folder_of_any_name_is_found(what: str, kind: str, fmus: dict, tmp_path: Path) -> None:
@@ -233,6 +234,7 @@ IN_PLACE: dict[str, tuple[Callable[[Path], object], str]] = {
 }
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("place", IN_PLACE)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(

@@ -111,6 +111,7 @@ def test_a_sentence_without_a_place_for_its_time_is_refused() -> None:
             saying(sentence)
 
 
+@pytest.mark.study
 def test_a_sentence_that_is_too_long_is_cut_between_letters() -> None:
     """The lengths before the cut vary, so that the cut would fall on each byte of a character."""
     for extra in range(4):

@@ -92,6 +92,7 @@ def braked(bogie: Path, brake: Path, master: Master) -> np.ndarray:
         return np.column_stack([found[name] for name in ("time", "speed", "brake_torque")])
 
 
+@pytest.mark.study
 def test_both_standards_give_the_same_run_in_the_master(fmus: dict) -> None:
     """FMUs of different versions are included, and macro steps that are repeated."""
     pairs = [(one, other) for one in ("native", "fmi3") for other in ("native", "fmi3")]

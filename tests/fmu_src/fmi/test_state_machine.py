@@ -68,6 +68,7 @@ def play(command: list[str], name: str, face: str, seed: int, calls: int) -> Non
     assert found["steps"] > calls / 100 or "exchange" in face
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("name", "face"), RUNS)
 def test_allowed_calls_succeed_and_all_others_are_refused(command_of: Callable, name: str, face: str) -> None:
     """The tables of the standards define the allowed calls. A refused call leaves the state; a value that was set is

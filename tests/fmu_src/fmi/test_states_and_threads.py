@@ -160,6 +160,7 @@ def test_directional_derivatives_are_those_of_differences(bogie: Library, level:
         kernel.rates(["locked_1"])
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", [2, 3])
 def test_derivatives_by_states_are_those_of_the_linearisation(bogie: Library, level: int) -> None:
     """The acceleration's derivative by a state is a combination of rows of the exact Jacobian."""
@@ -188,6 +189,7 @@ def library_in(fmu: Path, folder: Path) -> Path:
     return folder / name
 
 
+@pytest.mark.study
 def test_archive_runs_without_python(fmus: dict, tmp_path: Path) -> None:
     """A C program loads the binary of the archive, brakes to a stop and frees 1000 instances."""
     host = tmp_path / "host"
@@ -210,6 +212,7 @@ def test_archive_runs_without_python(fmus: dict, tmp_path: Path) -> None:
         assert checked.returncode == 0, checked.stderr[-2000:]
 
 
+@pytest.mark.study
 def test_sources_in_the_archive_build(fmus: dict, tmp_path: Path) -> None:
     """Users can compile sources/ themselves; modelDescription.xml lists the files for each interface."""
     with zipfile.ZipFile(fmus["brake", "native"]) as archive:
@@ -231,6 +234,7 @@ def test_sources_in_the_archive_build(fmus: dict, tmp_path: Path) -> None:
         assert brake["cylinder_pressure"] == pytest.approx(1e5, rel=1e-3)
 
 
+@pytest.mark.study
 def test_two_builds_on_two_paths_have_equal_bytes(fmus: dict, tmp_path: Path) -> None:
     """Build in this checkout and in a copy of it."""
     root, copy = Path(compiling.__file__).parents[1], tmp_path / "another" / "place"

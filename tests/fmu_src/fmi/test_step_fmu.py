@@ -29,6 +29,7 @@ def test_outputs_hold_between_the_periods(tmp_path: Path) -> None:
     assert answers_of_a_counter(protection(tmp_path, file, "Counts")) == THREES
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("body", "words"),
     [

@@ -48,6 +48,7 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> bb.Vehicle:
     return replace(whole, name="Tiny", bodies=(frame,))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("level", "kind"), [(1, "native"), (1, "fmi3"), (1, "python"), (2, "native"), (2, "fmi3"), (3, "native")]
 )
@@ -84,6 +85,7 @@ def test_a_vehicle_with_all_depths_starts_as_well(level: int | None, tiny: bb.Ve
             one.step(0.0, 0.01)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("coupler", COUPLERS)
 @pytest.mark.parametrize("kind", ["native", "fmi3"])
 def test_each_coupler_goes(coupler: str, kind: str, tmp_path: Path) -> None:
@@ -92,6 +94,7 @@ def test_each_coupler_goes(coupler: str, kind: str, tmp_path: Path) -> None:
     goes(tmp_path / kind / "Coupler.fmu")
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", ["native", "fmi3"])
 def test_a_train_goes_at_each_depth_with_any_number_of_cells_on_a_line(kind: str, tmp_path: Path) -> None:
     (tmp_path / "consist.csv").write_text("kind,count\nlocomotive,1\nwagon,3\n")

@@ -89,6 +89,7 @@ def random_line(chance: np.random.Generator) -> Line:
     return Line(rows)
 
 
+@pytest.mark.study
 def test_random_lines_stay_within_their_rows_and_straight_between_them(surveyor: Library, tmp_path: Path) -> None:  # noqa: F811
     """The closed form is `numpy.interp`. Python and the runtime have the same values."""
     chance, straights = np.random.default_rng(7), 0

@@ -125,6 +125,7 @@ def test_units_must_agree_and_names_must_differ() -> None:
         compose("pair", "followers", [follower(), scope(follower(), "b_", common=["x"])], {})
 
 
+@pytest.mark.study
 def test_the_braked_vehicle_is_the_vehicle_under_the_torques_of_its_brakes() -> None:
     vehicle, parameters = passenger_coach(), coach_brake()
     whole = composed(coach(), planar_vehicle(vehicle))
@@ -158,6 +159,7 @@ def test_the_braked_vehicle_is_the_vehicle_under_the_torques_of_its_brakes() -> 
         assert np.abs((found - expected) / scale).max() < ROUND_OFF * np.abs(expected / scale).max()
 
 
+@pytest.mark.study
 def test_composition_adds_no_code_to_the_parts() -> None:
     """Parts are called as before. The elimination uses the block structure: cylinders add few entries to its matrix."""
     vehicle, parameters = passenger_coach(), coach_brake()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from fmu_src.elimination import Elimination, elimination
 from products.registry import model_of
@@ -23,6 +24,7 @@ def solved(solving: Elimination, matrix: np.ndarray, vector: np.ndarray) -> np.n
     return np.array(names["v"])
 
 
+@pytest.mark.study
 def test_generated_elimination_solves_what_dense_algebra_solves() -> None:
     for system in model_of("vehicle").systems:
         solving, random = elimination(system), np.random.default_rng(1)

@@ -88,6 +88,7 @@ PLACES = [
 ]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("count", [1, 2, 3, 9])
 @pytest.mark.parametrize("inner", [False, True], ids=["called", "called by a part"])
 def test_every_operation_has_the_values_of_casadi_in_lanes(tmp_path: Path, count: int, inner: bool) -> None:
@@ -107,6 +108,7 @@ def test_every_operation_has_the_values_of_casadi_in_lanes(tmp_path: Path, count
             assert values(one, at, tmp_path, lanes) == scalar
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("conditions", [(1.0, 0.0, 1.0), (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (-1.0, math.nan, 1.0)])
 def test_lanes_that_are_not_asked_for_leave_0(tmp_path: Path, conditions: tuple[float, ...]) -> None:
     given, own, chain = ca.SX.sym("given", 6), ca.SX.sym("own"), Chain()

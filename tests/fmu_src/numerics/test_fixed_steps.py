@@ -70,6 +70,7 @@ def counted(fmus: Fmus, case: str, step: float = 1e-3, **values: float) -> Steps
     return steps
 
 
+@pytest.mark.study
 def test_no_step_of_a_stop_with_lock_up_and_release_costs_much_more_than_another(fmus: Fmus) -> None:
     """The limit has to detect error control, under which steps that locate events cost more.
 
@@ -87,6 +88,7 @@ def test_no_step_costs_much_more_than_another_at_any_level(fmus: Fmus, case: str
     assert counted(fmus, case, integration_method=method).spread <= SPREAD
 
 
+@pytest.mark.study
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="the host counts calls of glibc")
 @pytest.mark.parametrize("case", ["bogie point", "bogie spatial, model 2"])
 def test_steps_take_no_memory_and_no_lock_and_call_no_system(fmus: Fmus, case: str) -> None:

@@ -208,6 +208,7 @@ def test_files_that_are_none_are_refused(surveyor: Library, tmp_path: Path) -> N
         kernel.initialise()
 
 
+@pytest.mark.study
 def test_more_rows_than_there_is_room_for_are_refused(surveyor: Library, tmp_path: Path) -> None:
     path = tmp_path / "endless.csv"
     path.write_text(HEAD + ",0,0,0\n".join(map(str, range(4_000_001))) + ",0,0,0\n")

@@ -252,6 +252,7 @@ DEFAULT_BAND = 2e-5
 SEEN = 3e-3
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("scene", [*SCENES, ON_PATCHES], ids=lambda scene: scene.name)
 def test_default_is_right_on_all_scenes_against_another_method(scene: Scene) -> None:
     run, _ = reference_of(scene)
@@ -263,6 +264,7 @@ def test_default_is_right_on_all_scenes_against_another_method(scene: Scene) -> 
     assert other.failure or difference(scene.measure(other.samples), exact) > DEFAULT_BAND
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("method", ["Radau", "BDF", "LSODA"])
 def test_methods_of_scipy_pass_lock_and_release(method: str) -> None:
     exact = LOCK_UP.measure(own(LOCK_UP, tolerance=1e-10).samples)
@@ -311,6 +313,7 @@ def test_steps_behind_a_jump_are_found_with_few_trials() -> None:
     assert kernel.counts["rejected"] < 2.5 * count
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("scene", IN_THE_PLANE, ids=lambda scene: scene.name)
 def test_model_exchange_converges_to_the_motion_of_the_kernel(scene: Scene) -> None:
     """FMPy's CVODE at two tolerances: its error is at most ten times each, with torque ramps, locks and releases."""

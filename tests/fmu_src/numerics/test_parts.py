@@ -98,6 +98,7 @@ def written_out(part: Part) -> Part:
     return replace(part, name="plain", results=part.chain.expand(part.results), chain=Chain())
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", LAWS)
 def test_equations_with_parts_are_those_without(name: str) -> None:
     found = []

@@ -146,6 +146,7 @@ def members_of(type_name: str) -> list[str]:
     return [name for line in body.split(";") for name in re.findall(r"\w+(?=,|$)", line.strip())]
 
 
+@pytest.mark.study
 def test_description_of_a_system_has_the_order_of_its_type(bogie_sources: dict[str, str]) -> None:
     """The members are given by position. A displaced member would have the value of another."""
     members = members_of("system_description")

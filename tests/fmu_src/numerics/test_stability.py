@@ -74,6 +74,7 @@ def test_boundary_found_by_bisection_is_the_predicted_one(machine: DrivenVehicle
     assert abs(found / limit(machine, 25.0, "RK4", lighter) - 1.0) > 0.1  # difference that the tolerance must detect
 
 
+@pytest.mark.study
 def test_bouncing_on_elastic_contacts_limits_explicit_steps_at_high_speed() -> None:
     """If creep is the fastest mode, contact models 1 and 2 have one limit with one law; at 60 m/s they do not."""
     assert limit_by_polach(10.0) == pytest.approx(limit(SPATIAL, 10.0), rel=1e-3)
@@ -91,6 +92,7 @@ def limit_by_polach(speed: float) -> float:
     return largest_stable_step(np.linalg.eigvals(np.array(kernel.jacobian_at(kernel.time, place.tolist()))))
 
 
+@pytest.mark.study
 def test_constraints_drift_without_partitioning_and_not_with_it() -> None:
     free, closed = (drift(partitioned, duration=0.02) for partitioned in (False, True))
     assert free.residual[-1] > 1e-9

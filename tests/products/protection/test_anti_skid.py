@@ -64,6 +64,7 @@ def locked() -> Stop:
     return stopped(None, LOW, every=5e-3)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("period", [2e-3, 5e-3, 2e-2])
 def test_protection_neither_locks_nor_wastes_adhesion(ideal: float, period: float) -> None:
     stop = stopped(SlideProtection, LOW, Settings(period=period))
@@ -107,6 +108,7 @@ def test_what_a_stop_uses_of_a_rail_is_told_apart_from_its_distance() -> None:
 SENSORS = [(80, 0.0), (100, 0.1), (200, 0.0), (2000, 0.3), (10000, 0.0)]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("teeth", "jitter"), SENSORS)
 @pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
 def test_every_sensor_is_enough_on_a_low_rail(teeth: int, jitter: float, by_flow: bool) -> None:
@@ -157,6 +159,7 @@ def test_an_ideal_that_never_stops_is_refused(monkeypatch: pytest.MonkeyPatch) -
         PeakAdhesion(bogie(), LOW).stopping_distance(25.0)
 
 
+@pytest.mark.study
 def test_some_rails_on_which_thresholds_were_not_chosen() -> None:
     found = scores(bogie(), for_reporting()[::3], common_protection(), Settings())
     assert max(score.over_ideal or math.inf for score in found) < WORST
@@ -174,6 +177,7 @@ def test_thresholds_hold_on_rails_on_which_they_were_not_chosen(make: Callable[[
     assert max(score.longest_lock for score in found) <= LONGEST_LOCK
 
 
+@pytest.mark.study
 def test_a_wheel_below_its_best_slip_postpones_a_release_not_for_ever() -> None:
     """On these rails a wheel that slides slowly is taken for one that rolls; otherwise they lock for 1 to 6 s."""
     slow = {("0.1", 25.0), ("0.1", 40.0), ("0.12 falling", 25.0)}

@@ -32,6 +32,7 @@ class Notes(LetGo):
         return answer
 
 
+@pytest.mark.study
 def test_a_run_that_is_written_down_is_the_same_in_every_form(monkeypatch: pytest.MonkeyPatch) -> None:
     """Runs are bit-identical, also in rows that take over the next run, and all forms record the same."""
     forms = (LetGo, Arrays(LetAllGo()), in_c())

@@ -62,6 +62,7 @@ def fitted(log: bb.Recording, begin: dict[str, float], **held: float) -> bb.Fit:
     return bb.fit(logged_machine("bogie"), log, begin, until=UNTIL, initial_speed=25.0, **held)
 
 
+@pytest.mark.study
 def test_friction_is_found_again_from_above_and_from_below(log: bb.Recording) -> None:
     law = LAW | {"friction_decay": DECAY}
     above, below = fitted(log, BEGIN, **law), fitted(log, dict.fromkeys(BEGIN, 0.05), **law)
@@ -72,12 +73,14 @@ def test_friction_is_found_again_from_above_and_from_below(log: bb.Recording) ->
     assert "In the rows that were not fitted speed is off by" in above.status
 
 
+@pytest.mark.study
 def test_friction_that_does_not_fall_shows_in_the_half_that_was_not_fitted(far_log: bb.Recording) -> None:
     flat = fitted(far_log, BEGIN)
     assert flat.held_out["speed"] > 2 * HELD_OUT
     assert abs(flat.values["friction_1"] / low().friction - 1) > FITTED
 
 
+@pytest.mark.study
 def test_its_fall_is_found_too(log: bb.Recording) -> None:
     found = fitted(log, BEGIN | {"friction_decay": 0.1}, **LAW)
     for name in BEGIN:
@@ -118,6 +121,7 @@ def test_what_cannot_be_fitted_is_refused(log: bb.Recording) -> None:
         logged_machine("bogey")
 
 
+@pytest.mark.study
 def test_a_coach_is_driven_by_a_log_too() -> None:
     times = np.array([0.0, 10.0])
     driven = {f"pressure_{n}": (times, np.full(2, 380e3)) for n in range(1, 5)}

@@ -47,6 +47,7 @@ def made_of(source: Path) -> Apart:
     return Apart(compiled(source).checked)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_a_library_and_an_fmu_make_the_stops_of_the_class(machine, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     count = len(machine.numbers)
@@ -62,6 +63,7 @@ def test_a_library_and_an_fmu_make_the_stops_of_the_class(machine, tmp_path: Pat
         assert runs_apart(Order(machine, form, settings), runs) == whole
 
 
+@pytest.mark.study
 def test_an_fmu_that_needs_python_makes_the_stops_of_its_class(tmp_path: Path) -> None:
     text = (
         "class LetGo:\n    def step(self, time, speeds):\n"
@@ -76,6 +78,7 @@ def test_an_fmu_that_needs_python_makes_the_stops_of_its_class(tmp_path: Path) -
     )
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("step", "words", "limits"),
     [
@@ -108,6 +111,7 @@ def test_what_ends_its_process_ends_no_comparison(step: str, words: str, limits:
     assert found[1].time == none.time
 
 
+@pytest.mark.study
 def test_what_always_ends_its_process_is_not_asked_for_ever(tmp_path: Path) -> None:
     form = made_of(let_go(tmp_path, "bad", "abort();"))
     found = runs_apart(Order(bogie(), form, Settings()), [Run(RAILS[0].values(), speed=5.0)] * 5)
@@ -116,6 +120,7 @@ def test_what_always_ends_its_process_is_not_asked_for_ever(tmp_path: Path) -> N
     assert found[3].message == "The controller ended its process (SIGABRT) in 3 runs before; it was not asked again."
 
 
+@pytest.mark.study
 def test_what_is_no_controller_is_told(tmp_path: Path) -> None:
     (tmp_path / "libtext.so").write_text("no library")
     (tmp_path / "nothing.c").write_text("int nothing;\n")
@@ -188,6 +193,7 @@ def fails() -> None:
     raise RuntimeError("the simulation is at fault")
 
 
+@pytest.mark.study
 def test_what_fails_otherwise_is_not_called_no_controller() -> None:
     with pytest.raises(SimulationError, match=r"the simulation is at fault \(RuntimeError\)"):
         called_apart(fails)

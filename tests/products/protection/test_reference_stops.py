@@ -34,6 +34,7 @@ def differences(controller: InC) -> dict[str, str]:
     return {stop.name: words for stop, words in zip(STOPS, found, strict=True) if words}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("words", [["gcc", "-std=c99"], ["g++", "-xc++", "-std=c++17"]])
 def test_the_library_compiles_as_c_and_as_cpp_and_passes_its_stops(folder: Path, words: list[str]) -> None:
     library = folder / f"lib{words[0]}.so"
@@ -44,6 +45,7 @@ def test_the_library_compiles_as_c_and_as_cpp_and_passes_its_stops(folder: Path,
     assert differences(InC(library)) == {}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("old", "new", "stop"),
     [
@@ -63,6 +65,7 @@ def test_an_altered_port_differs_in_its_stop(tmp_path: Path, old: str, new: str,
     assert "instead of" in found[stop]
 
 
+@pytest.mark.study
 def test_a_table_is_compared_look_by_look(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     mine = tmp_path / "mine.csv"
     lines = (folder / "reference.csv").read_text().splitlines(keepends=True)

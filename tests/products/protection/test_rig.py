@@ -60,6 +60,7 @@ def in_c(tmp_path: Path, text: str = SOURCE, share: float = SHARE) -> Form:
 # ---- controllers -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_all_forms_of_a_controller_make_the_same_stop(machine: Machine, by_flow: bool, tmp_path: Path) -> None:
@@ -98,6 +99,7 @@ def coupled_stop(rail: dict[str, float]) -> tuple[float, float]:
     return distance, longest
 
 
+@pytest.mark.study
 def test_a_stop_is_that_of_coupled_fmus() -> None:
     distance, lock = coupled_stop(LOW.values())
     [stop] = Rig(bogie(), LetGo, Settings()).stops([LOW.values()])
@@ -105,6 +107,7 @@ def test_a_stop_is_that_of_coupled_fmus() -> None:
     assert stop.longest_lock == pytest.approx(lock, abs=0.02)
 
 
+@pytest.mark.study
 def test_runs_that_wait_are_those_that_run_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Rows that finish take over the next run, and so do controllers and sensors."""
     rails = [{**LOW.values(), "friction_1": f, "friction_2": f} for f in np.linspace(0.07, 0.2, 11)]
@@ -197,6 +200,7 @@ def test_locked_wheels_turn_the_energy_of_motion_into_sliding(machine: Machine) 
 ROLLS, REFILLS = 1e-3, 2e-2
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 @pytest.mark.parametrize(
     "equipment", [("discs",), ("dynamic brake",), ("sanders",), ("traction",)], ids=lambda one: one[0]
@@ -231,6 +235,7 @@ def test_motors_that_spin_turn_their_work_into_motion_and_sliding(machine: Machi
     assert work == pytest.approx(moving + turning + sum(found.sliding), rel=1e-2)
 
 
+@pytest.mark.study
 def test_a_protection_against_spin_gains_speed_sooner_than_motors_that_spin() -> None:
     """Friction and brake_ratio are drawn at random; on a dry rail no motor receives a command."""
     draw = np.random.default_rng(32)
@@ -273,6 +278,7 @@ def test_a_dynamic_brake_lets_go_when_its_valve_vents(tmp_path: Path) -> None:
     assert protected.share_in_band > 0.9 > 0.5 > alone.share_in_band
 
 
+@pytest.mark.study
 def test_runs_of_machines_with_other_equipment_keep_their_places(tmp_path: Path) -> None:
     rail = LOW.values()
     kinds = [(), ("discs",), ("traction",), (), ("discs", "sanders")]
@@ -354,6 +360,7 @@ class VentsLater(LetGo):
         return [2 if time > 3.0 else 0] * len(speeds)
 
 
+@pytest.mark.study
 def test_a_valve_that_sticks_stays_where_it_stands() -> None:
     rail = RAILS[0].values()
     both = tuple(Fault(number, valve_from=2.0) for number in (1, 2))
@@ -513,6 +520,7 @@ def failing(tmp_path: Path) -> Iterator[tuple[str, Form]]:
     yield "or behind its 2 valves at 3.005 s", in_c(tmp_path, BEYOND_VALVES, 0.92)
 
 
+@pytest.mark.study
 def test_a_controller_that_fails_leaves_the_brake_applied(tmp_path: Path) -> None:
     """A message and no distance. If it fails before its first command, the vehicle stops as without a controller."""
     [unprotected] = Rig(bogie(), None, Settings()).stops([LOW.values()])
@@ -543,6 +551,7 @@ class WaitsForAll(LetAllGo):
         return super().step(time, speeds)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("form", [Waits, Arrays(WaitsForAll())], ids=["class", "arrays"])
 def test_runs_of_a_controller_that_gives_no_answer_are_not_judged(form: Form, monkeypatch: pytest.MonkeyPatch) -> None:
     """Later runs, for which it is not called again, are excluded too; a run that ended before is kept."""
@@ -555,6 +564,7 @@ def test_runs_of_a_controller_that_gives_no_answer_are_not_judged(form: Form, mo
     assert any("gave no answer within 1 s of wall time at 3.005 s and is not judged" in one.message for one in others)
 
 
+@pytest.mark.study
 def test_a_look_that_takes_long_on_a_busy_machine_changes_no_stop(monkeypatch: pytest.MonkeyPatch) -> None:
     """One call waits for longer than the limit of processor time; many runs share an alarm."""
     monkeypatch.setattr("products.protection.rig.PATIENCE", 0.1)
@@ -568,6 +578,7 @@ def test_a_look_that_takes_long_on_a_busy_machine_changes_no_stop(monkeypatch: p
     assert Rig(bogie(), Late, Settings()).stops(rails) == Rig(bogie(), LetGo, Settings()).stops(rails)
 
 
+@pytest.mark.study
 def test_a_machine_that_goes_no_further_says_why(tmp_path: Path) -> None:
     """A very high frame tips over its leading wheelset; the other runs continue."""
     rail = RAILS[0].values()
@@ -583,6 +594,7 @@ def test_a_machine_that_goes_no_further_says_why(tmp_path: Path) -> None:
 FILLING = 1e-3
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("values", "held"),
     [
@@ -609,6 +621,7 @@ def test_the_ideal_knows_what_else_holds_a_machine_back(values: dict[str, float]
     assert stops[0] - 2.5 * stops[1] == pytest.approx((25.0**2 - 250.0) / (2 * a), rel=2e-2)
 
 
+@pytest.mark.study
 def test_runs_on_lines_with_maps_of_friction_and_without_are_each_their_own() -> None:
     """Half of twice the friction is the same rail; down a gradient g i adds up; leaves lengthen stop and ideal."""
     machine, flat = bogie(), line_of([straight(1020.0)], -20.0)
@@ -645,6 +658,7 @@ def test_a_case_names_its_line_beside_its_programme(tmp_path: Path) -> None:
             read_programme(tmp_path / "my.toml")
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("brake_ratio", [0.5, 1.0, 1.5])
 def test_where_all_wheels_roll_the_stop_is_the_ideal_one(brake_ratio: float) -> None:
     """While the brake fills, the deceleration is 1 - 20^(-t/T) of its full value; closed-form integrals, no creep."""
@@ -671,6 +685,7 @@ def filled_by_flow(full: float, lasts: float) -> tuple[NDArray[np.float64], NDAr
     return time * lasts / np.interp(0.95, share, time), share
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("brake_ratio", "application_time"), [(0.5, 2.0), (1.0, 2.0), (1.5, 5.0)])
 def test_where_all_wheels_roll_a_stop_by_flow_of_air_is_the_ideal_one(
     brake_ratio: float, application_time: float
@@ -688,6 +703,7 @@ def test_where_all_wheels_roll_a_stop_by_flow_of_air_is_the_ideal_one(
     assert ideal == pytest.approx(way, rel=IDEAL)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", ["zero", "stuck", "doubled"])
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_the_protection_does_without_a_sensor_that_fails(kind: str, machine: Machine) -> None:
@@ -699,6 +715,7 @@ def test_the_protection_does_without_a_sensor_that_fails(kind: str, machine: Mac
     assert max(stop.distance or math.inf for stop in stops) < 0.8 * (locked.distance or 0.0)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_wheels_are_protected_beside_one_that_its_valve_locks(machine: Machine) -> None:
     """A locked wheel that is vented in vain has no acceleration, and does not show the speed of the vehicle."""
@@ -711,6 +728,7 @@ def test_wheels_are_protected_beside_one_that_its_valve_locks(machine: Machine) 
     assert max(locks) < 0.8 * (locked.distance or 0.0)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_a_wheel_without_sensor_slides_after_its_neighbour(machine: Machine) -> None:
     """It gets less pressure until its neighbour is seen to roll at full pressure; measured at most 0.1 s of lock."""
@@ -729,6 +747,7 @@ def test_a_wheel_without_sensor_slides_after_its_neighbour(machine: Machine) -> 
     assert 1.0 < (late.distance or math.inf) / (whole.distance or math.inf) < 1.02
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_no_failure_of_a_sensor_makes_a_stop_longer_than_locked_wheels(machine: Machine, by_flow: bool) -> None:
@@ -746,6 +765,7 @@ def test_no_failure_of_a_sensor_makes_a_stop_longer_than_locked_wheels(machine: 
         assert (stop.distance or math.inf) < (other.distance or 0.0)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("pulses", "jitter"), [(60, 0.0), (80, 0.1), (100, 0.1), (300, 0.1), (2000, 0.3)])
 def test_the_protection_believes_teeth_that_err(pulses: int, jitter: float) -> None:
     """No reading is rejected."""
@@ -763,6 +783,7 @@ def test_the_protection_believes_teeth_that_err(pulses: int, jitter: float) -> N
     assert doubted == []
 
 
+@pytest.mark.study
 def test_a_machine_that_does_not_stop_says_so() -> None:
     [stop] = Rig(bogie(), None, Settings(brake_ratio=1e-3)).stops([RAILS[0].values()])
     assert stop.distance is None
@@ -774,6 +795,7 @@ def test_a_machine_that_does_not_stop_says_so() -> None:
     assert stop.over(100.0) is None
 
 
+@pytest.mark.study
 def test_a_run_that_never_stops_keeps_its_speed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("products.protection.rig.LONGEST", 20.0)
     for by_flow in (False, True):
@@ -791,6 +813,7 @@ def test_the_most_wheelsets_are_told_once_in_c_and_once_in_python() -> None:
     assert int(most) == MOST_WHEELSETS
 
 
+@pytest.mark.study
 def test_the_rig_in_c_reads_and_writes_nothing_but_its_own(tmp_path: Path) -> None:
     """Under sanitizers: 16 wheelsets with failing sensors and valves, lost runs, failing controllers, and our own."""
     files = [RIG / name for name in ("rig.c", "encoder.c", "slide_protection.c")]

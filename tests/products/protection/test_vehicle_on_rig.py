@@ -44,6 +44,7 @@ def file(folder: Path, text: str = FILE) -> Path:
     return path
 
 
+@pytest.mark.study
 def test_a_dry_stop_has_the_stated_deceleration_and_resistance(tmp_path: Path) -> None:
     """Between 15 and 5 m/s: 0.9 m/s2 and (4400 N + 22 N s2/m2 v^2) over 44 t with rotating wheelsets."""
     machine, brake = vehicle_of_file(file(tmp_path))

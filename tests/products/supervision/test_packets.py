@@ -61,6 +61,7 @@ def country(rng: np.random.Generator) -> NationalValues:
     )
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", ["EOA", "MRSP"])
 def test_no_limit_of_a_rounded_train_lies_nearer_to_the_target(kind: str) -> None:
     rng = np.random.default_rng(7)
@@ -83,6 +84,7 @@ def merged(steps: Steps) -> Steps:
     return Steps(steps.boundaries[:2], steps.values[:3])
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("position", BRAKE_POSITIONS)
 def test_no_limit_of_a_rounded_percentage_or_country_lies_nearer_to_the_target(position: str) -> None:
     rng, most = np.random.default_rng(11), 0.0

@@ -129,6 +129,7 @@ def test_values_without_effect_are_those_that_change_no_limit() -> None:
         assert {(name, False, False), (name, True, True)} <= seen
 
 
+@pytest.mark.study
 def test_every_limit_is_that_of_the_text() -> None:
     rng = np.random.default_rng(52)
     seen: set[str] = set()

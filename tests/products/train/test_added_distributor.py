@@ -96,6 +96,7 @@ def every_second(wagons: int) -> Consist:
     return Consist(tuple(replace(v, distributor=of_choke("P")) if n % 2 else v for n, v in enumerate(vehicles)))
 
 
+@pytest.mark.study
 def test_its_cylinder_has_the_pressure_of_the_pipe() -> None:
     """On the bench, both chambers follow the pipe up to the largest pressure. States of the built-in one are NaN."""
     pipe = Pipe(4, pressure=AMBIENT, length=7.5, diameter=0.03175)
@@ -153,6 +154,7 @@ def test_vehicles_beside_it_do_as_they_did() -> None:
     assert mixed.cylinder_pressure[::2] == pytest.approx(plain.cylinder_pressure[::2], rel=2e-4)
 
 
+@pytest.mark.study
 def test_a_consist_picks_it_by_its_name_and_an_fmu_has_it(tmp_path: Path) -> None:
     rows = [{"kind": "locomotive"}, {"kind": "wagon", "count": 2}, {"kind": "wagon", "distributor": "direct"}]
     consist = consist_of([*rows, {"kind": "coach", "distributor": "direct", "position": "G"}])
@@ -324,6 +326,7 @@ def test_a_fault_in_its_equations_has_one_message_with_its_name(case: str) -> No
         replace(DIRECT, whole=whole).function("whole")
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", [*DISTRIBUTORS, "direct"])
 def test_a_bench_passes_each_kind(name: str) -> None:
     check_distributor(DISTRIBUTORS[name])

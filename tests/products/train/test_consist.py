@@ -79,6 +79,7 @@ def test_the_smallest_depth_follows_what_is_asked() -> None:
         select_brake_model(short, force=float("nan"))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("length", [15, 70])
 def test_the_errors_that_the_choice_counts_with_hold_for_another_train(length: int) -> None:
     """Trains of 229 m and 999 m, half service in P, compared with eight cells a vehicle."""

@@ -246,6 +246,7 @@ def test_a_folder_is_no_consist(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert capsys.readouterr().err.startswith(f"{tmp_path} must be a file; it is a folder")
 
 
+@pytest.mark.study
 def test_a_consist_is_built_with_its_file(tmp_path: Path) -> None:
     path = written(tmp_path, "a.csv", CSV)
     assert build_fmu.main(["train", "--consist", str(path), "--out", str(tmp_path), "--kind", "fmi3"]) == 0

@@ -161,6 +161,7 @@ def works_of_cycles(one: Coupler) -> np.ndarray:
     return np.asarray(work / (np.abs(forces).max() * FAR))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("factor", [0.1, 1.0, 10.0])
 @pytest.mark.parametrize("name", sorted(COUPLERS))
 def test_a_closed_cycle_never_gives_energy(name: str, factor: float) -> None:

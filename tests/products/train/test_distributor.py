@@ -56,6 +56,7 @@ def when(course: Course, reached: Callable[[Course], NDArray[np.bool_]]) -> floa
 # ---- on the bench ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("position", ["P", "G"])
 def test_a_cylinder_fills_and_empties_in_the_times_of_the_standard(position: str) -> None:
     pipe = train(position=position)
@@ -67,6 +68,7 @@ def test_a_cylinder_fills_and_empties_in_the_times_of_the_standard(position: str
     assert soonest < when(released, lambda p: p < 40e3) < latest
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("position", ["P", "G"])
 def test_it_feels_a_fall_of_a_tenth_of_a_bar_a_second_and_no_leak(position: str) -> None:
     """UIC 540: it applies within 1.2 s if the pipe loses 0.6 bar in 6 s, and not at all if it loses 0.3 bar in 60 s."""
@@ -78,6 +80,7 @@ def test_it_feels_a_fall_of_a_tenth_of_a_bar_a_second_and_no_leak(position: str)
     assert clogged[:, 0].max() > 1e3
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("fall", [60e3, 100e3, 140e3])
 def test_the_cylinder_follows_the_pipe_in_steps_down_and_up(fall: float) -> None:
     """3.8 bar for a drop of 1.5 bar, within the 2 % that a relay needs to open. The brake releases gradually."""
@@ -87,6 +90,7 @@ def test_the_cylinder_follows_the_pipe_in_steps_down_and_up(fall: float) -> None
         assert course[-1, 0] == pytest.approx(FULL / 150e3 * level, abs=0.03 * FULL)
 
 
+@pytest.mark.study
 def test_a_small_auxiliary_reservoir_does_not_reach_the_full_pressure() -> None:
     """Isothermal volumes reach one pressure: (V_R p_R + V_C p_a) / (V_R + V_C), absolute. The pipe is empty."""
     volume = 20e-3
@@ -97,6 +101,7 @@ def test_a_small_auxiliary_reservoir_does_not_reach_the_full_pressure() -> None:
     assert course[-1, [0, 2]] == pytest.approx([together, together], rel=0.02)
 
 
+@pytest.mark.study
 def test_each_application_takes_a_cylinder_of_air_from_the_reservoir() -> None:
     """Boyle: nothing recharges it, and n applications take n V_C / V_A of the cylinder's gauge pressure."""
     pipe, left = train(auxiliary_choke=0.0), RUNNING

@@ -48,6 +48,7 @@ def test_a_driver_holds_a_speed_uphill_and_downhill(gradient: float) -> None:
     assert (train.brake_force.sum() > 1e3) == (gradient < 0.0)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("gradient", [-0.01, -0.015])
 def test_a_driver_holds_a_train_whose_brakes_release_wholly(gradient: float) -> None:
     """Air in service is never reduced in part: each reduction would empty reservoirs, and the train would run away."""
@@ -81,6 +82,7 @@ def test_repeated_releases_exhaust_the_reservoirs_of_a_long_heavy_train() -> Non
     assert np.mean(train.air.vehicle_pressures("cylinder")) - AMBIENT < 1e5
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("name", "deceleration"), [("coaches", 0.5), ("metro", 0.9)])
 @pytest.mark.parametrize("gradient", [0.0, 0.008, -0.008])
 def test_a_driver_stops_at_stations_in_time_within_the_limits(name: str, deceleration: float, gradient: float) -> None:

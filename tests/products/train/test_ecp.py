@@ -101,6 +101,7 @@ def test_each_of_its_parameters_has_an_effect() -> None:
     assert [name for name, column in zip(ECP.fields(), structure.T, strict=True) if not column.any()] == []
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("fill", "release"), [(3.0, 20.0), (20.0, 3.0), (1.0, 1.0), (60.0, 120.0)])
 def test_it_fills_and_releases_in_the_times_of_a_row(fill: float, release: float, tmp_path: Path) -> None:
     """To 95 % of a full service by wire, and from it to 0.4 bar; both looks are every 10 ms."""

@@ -69,6 +69,7 @@ def run_to(train: Train, speed: float, step: float = 0.005) -> float:
     return float(before + share * (train.distance[0] - before) - start)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("friction", [0.3, 0.03])
 def test_magnets_alone_stop_in_the_distance_of_their_integral_on_any_rail(friction: float) -> None:
     """S = int m v / F(v) dv, with the rotating mass; friction between wheel and rail has no part in it."""
@@ -78,6 +79,7 @@ def test_magnets_alone_stop_in_the_distance_of_their_integral_on_any_rail(fricti
     assert train.brake_force[0] == 0.0
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("share", [1.0, 0.4])
 @pytest.mark.parametrize("friction", [0.3, 0.03])
 def test_eddy_currents_alone_slow_in_the_distance_of_their_integral(share: float, friction: float) -> None:
@@ -88,6 +90,7 @@ def test_eddy_currents_alone_slow_in_the_distance_of_their_integral(share: float
     assert run_to(train, end) == pytest.approx(due, rel=NEAR)
 
 
+@pytest.mark.study
 def test_magnets_add_to_wheels_that_slide_on_a_rail_of_friction_0_03() -> None:
     """Locked wheels: m dv = -(F + mu m g (0.4 + 0.6 exp(-0.6 v))) dt, Polach; without magnets it is much longer."""
     row = BARE | FALLS | {"brake": "ep-direct", "deceleration": 1.2, "rotating": 0.3, "fill_time": 0.5}

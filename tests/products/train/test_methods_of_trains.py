@@ -47,6 +47,7 @@ def go(coupler: Coupler, way: float, rest: float, end: float) -> float:
     return rest
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("coupler", [draft_gear(), screw_coupler()], ids=lambda one: one.name)
 def test_the_rate_of_a_coupler_gives_its_play_operator(coupler: Coupler) -> None:
     """The forces are compared at the turns of random displacements."""

@@ -30,6 +30,7 @@ STEP, LONG = 1e-3, 3.0
 FORCE, DISTANCE, BOUNDARY = 0.01, 0.01, 0.05
 
 
+@pytest.mark.study
 def test_the_default_way_is_the_train_as_one_system() -> None:
     one, whole = mixed(screw_coupler(), 1, "corrected"), Train(consist_of(screw_coupler()), speed=SPEED)
     one.train.drive("emergency")
@@ -42,6 +43,7 @@ def test_the_default_way_is_the_train_as_one_system() -> None:
     assert one.train.distance[0] == pytest.approx(whole.distance[0], abs=DISTANCE)
 
 
+@pytest.mark.study
 def test_fmus_coupled_by_the_master_give_the_numbers_of_one_process(tmp_path: Path) -> None:
     """The connections are those of docs/train-couplers.md; the train is stepped first (Gauss-Seidel)."""
     path = tmp_path / "train.fmu"
@@ -89,6 +91,7 @@ def test_values_of_the_step_before_grow_at_any_step() -> None:
     assert growth("held", 1e-3, 198e6, vehicle) < 1.0 + 1e-6
 
 
+@pytest.mark.study
 def test_a_copy_of_another_mass_is_corrected_and_a_brake_that_is_left_out_is_seen() -> None:
     """The copy is corrected each millisecond, so twice its mass has little effect. A missing brake makes it push."""
     errors = []

@@ -313,6 +313,7 @@ def runs_at_random(count: int) -> None:
             assert (pipe.pressure > 0.0).all()
 
 
+@pytest.mark.study
 def test_no_pressure_falls_below_zero() -> None:
     runs_at_random(2000)
 

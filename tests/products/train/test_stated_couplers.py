@@ -40,6 +40,7 @@ def forces(one: Coupler, ways: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.study
 def test_a_coupler_loads_by_its_stiffness_and_unloads_below_by_its_damping() -> None:
     """F = P + K (s - slack) while it loads, that times 1 - damping while it unloads (Hooke)."""
     one = of(**DATA)

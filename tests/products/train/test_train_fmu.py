@@ -485,6 +485,7 @@ DAMAGES |= {
 }
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", DISTRIBUTORS)
 def test_each_field_is_held_to_its_limits_and_to_whole_numbers(kind: str) -> None:
     """The limits themselves are valid. The message names the field. Distances of a line must increase."""
@@ -555,6 +556,7 @@ def programs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {name: OBJECTS["train"].linked(path, tmp_path_factory.mktemp(name)) for name, path in sources.items()}
 
 
+@pytest.mark.study
 def test_the_pipe_in_c_reads_and_writes_nothing_but_its_own(programs: dict, tmp_path: Path) -> None:
     """The numbers of cells are not multiples of the number of lanes."""
     done = run([programs["pipe_host"]], tmp_path)
@@ -580,6 +582,7 @@ def test_the_c_is_clean_for_more_than_one_compiler(name: str, tmp_path: Path) ->
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.study
 def test_the_c_is_clean_for_clang_and_for_windows_as_zig_has_them() -> None:
     """Compiled but not linked: to link, zig first compiles the C library of Windows, which takes minutes."""
     pytest.importorskip("ziglang")
