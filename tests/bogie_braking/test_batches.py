@@ -89,6 +89,7 @@ def test_each_run_of_a_batch_is_that_which_it_is_alone(what: str, scene: dict[st
 MIXED = [(1, 0.0), (2, 5e-3), (1, 5e-3), (2, 0.0), (3, 2e-4), (2, 2e-3), (1, 2e-3)] * 3
 
 
+@pytest.mark.study
 def test_runs_with_other_methods_beside_them_are_those_which_they_are_alone() -> None:
     methods, sizes = (np.array(column, dtype=float) for column in zip(*MIXED, strict=True))
     scene = {"level": 2, **BRAKED, "initial_speed": 12.0}

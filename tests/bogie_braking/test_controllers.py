@@ -173,6 +173,7 @@ def test_files_to_begin_with_are_printed(action: str, path: Path, capsys: pytest
     assert capsys.readouterr().out == path.read_text(encoding="utf-8")
 
 
+@pytest.mark.study
 def test_a_programme_of_ones_own_is_run(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     case = '[[case]]\nname = "slow, one sensor lost"\nrail = "wet"\nspeed = "36km/h"\n'
     (folder / "my.toml").write_text(case + 'fault = [{ wheelset = 2, sensor = "zero", sensor_from = 2.0 }]\n')

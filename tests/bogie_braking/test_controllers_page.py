@@ -86,6 +86,7 @@ def test_names_are_text_and_never_obeyed(page: Page) -> None:
     assert page.evaluate("document.scripts.length") == 2
 
 
+@pytest.mark.study
 def test_the_page_is_small_and_fits_its_window(page: Page, folder: Path) -> None:
     assert (folder / "controllers" / "compare.html").stat().st_size < LARGEST
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
@@ -178,6 +179,7 @@ def test_a_case_is_chosen_in_the_table(page: Page) -> None:
     assert page.evaluate("player.tracks.map(({ stop }) => stop.case)") == ["wet"] * 3
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_is_hard_to_read_or_to_use(page: Page, scheme: str) -> None:
     page.prefer(scheme)
@@ -185,6 +187,7 @@ def test_nothing_is_hard_to_read_or_to_use(page: Page, scheme: str) -> None:
     page.prefer("light")
 
 
+@pytest.mark.study
 def test_long_stops_are_thinned_and_keep_their_end(folder: Path) -> None:
     run = read_programme(folder / "my.toml")[0].run(bogie())
     [stop] = Rig(bogie(), None, Settings(brake_ratio=1e-3)).runs([run], every=EVERY)

@@ -350,6 +350,7 @@ def test_ten_thousand_environments_a_hundred_times_leave_memory_flat() -> None:
     assert max(held[50:]) < 1.05 * max(held[:50])
 
 
+@pytest.mark.study
 def test_the_coach_has_four_valves() -> None:
     own = Environment(coach(), Settings(), 2, drawn_run)
     own.begin([0, 1], [np.random.default_rng(seed) for seed in (1, 2)])

@@ -84,6 +84,7 @@ def test_intervals_hold_known_fields_in_200_fleets(errors: str) -> None:
     assert HOLDS[0] <= held(range(200), **FLEETS[errors]) <= HOLDS[1]
 
 
+@pytest.mark.study
 def test_protected_stops_show_the_field_where_wheels_slid_and_a_lower_limit_elsewhere() -> None:
     """Wheels slide and roll in turn under the protection. Before the brake acts and behind the stop nothing slides."""
     places, friction = np.array([0.0, 30.0, 60.0, 120.0, 180.0, 240.0]), np.array([0.3, 0.08, 0.06, 0.10, 0.05, 0.08])

@@ -116,6 +116,7 @@ def test_a_client_in_another_process_makes_the_stop_of_the_class_to_the_last_bit
     assert (stop == here) == (share == 0.8)
 
 
+@pytest.mark.study
 def test_a_compiled_client_in_c_makes_the_stop_of_the_class_to_the_last_bit(
     own: socket.socket, here: object, tmp_path: Path
 ) -> None:

@@ -85,6 +85,7 @@ def test_a_map_of_friction_is_checked_by_its_mean_over_the_line_and_its_slippery
     assert "plain.csv has neither left_friction nor right_friction. Leave it out" in capsys.readouterr().err
 
 
+@pytest.mark.study
 def test_check_and_import_write_line_picture_and_numbers(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

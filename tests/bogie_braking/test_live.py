@@ -153,6 +153,7 @@ def test_the_lever_brakes_and_wheels_lock(page: Page) -> None:
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
+@pytest.mark.study
 def test_the_space_bar_brakes_releases_and_begins_anew(page: Page) -> None:
     page.evaluate("openLink('').then(() => document.activeElement.blur())")
     for word, lever in (("Release", 100), ("Brake", 0), ("Release", 100)):
@@ -203,6 +204,7 @@ def test_pictures_for_the_documentation(page: Page) -> None:
     )
 
 
+@pytest.mark.study
 def test_a_page_that_stands_still_costs_nothing(still: Page) -> None:
     """A paused page draws nothing until a control moves."""
     frames = (
@@ -261,6 +263,7 @@ def test_a_preset_ends_as_the_native_kernel_does(still: Page, name: str, tmp_pat
     assert (float(told[1]) if told else 0.0) == pytest.approx(locked, abs=0.1)
 
 
+@pytest.mark.study
 def test_a_heavier_coach_from_200_kmh_stops_as_in_python(still: Page, tmp_path: Path) -> None:
     link = "#speed=200&mass=44&do=100:lever:100"
     still.evaluate(f"openLink('{link}')")
@@ -292,6 +295,7 @@ def test_wheels_that_are_locked_slow_the_coach_by_friction_times_gravity(still: 
     assert (speeds[0] - speeds[1]) / 15.0 == pytest.approx(0.08 * GRAVITY, rel=1e-6)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("gradient", [-10, 20])
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_a_coach_rolls_downhill_as_masses_and_turning_wheels_do(still: Page, level: int, gradient: int) -> None:

@@ -114,6 +114,7 @@ def test_page_is_for_people_who_hear_it_or_enlarge_it_too(
     assert violations(page, "heading-order", "region") == []
 
 
+@pytest.mark.study
 def test_the_verdict_comes_first_the_picture_second_the_table_third(report: Page, summary: dict[str, Any]) -> None:
     shown = report.evaluate(
         """[...document.querySelectorAll("main img, #verdict, main table, main h2")].map((one) => one.id || one.alt
@@ -216,6 +217,7 @@ def test_time_bar_moves_the_bodies_as_the_run_did(report: Page) -> None:
     assert np.ptp(places) > factor * 5e-3
 
 
+@pytest.mark.study
 def test_wheels_touch_their_rails_in_the_section(report: Page, summary: dict[str, Any]) -> None:
     shifts = []
     for row in (0, 100, 110, 150):
@@ -248,6 +250,7 @@ def test_play_runs_and_stops(report: Page) -> None:
     assert report.evaluate(state)[1] == "Play"
 
 
+@pytest.mark.study
 def test_index_links_to_the_report_and_marks_what_the_thesis_prints(
     opened: Callable[[str, int], Page], folder: Path, summary: dict[str, Any]
 ) -> None:
@@ -447,6 +450,7 @@ BARE_RUN = '{"scenario": "levels", "rows": [{"holds": true}], "wall_seconds": 1.
 BARE_SWEEP = '{"sweep": "levels", "vary": {"level": []}, "units": {"level": "1"}, "points": 0, "failed": 0}'
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("file", "text", "reason"),
     [

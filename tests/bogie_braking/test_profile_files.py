@@ -123,6 +123,7 @@ def test_rail_that_stands_upright_in_its_file_is_laid_inclined_without_what_over
     assert rail.limits[0] == pytest.approx(rail_60kg().limits[0], abs=1e-4)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [

@@ -122,6 +122,7 @@ def test_a_run_that_is_continued_from_a_saved_state_is_the_same_to_the_last_bit(
     assert ends[0].messages == ends[1].messages != []
 
 
+@pytest.mark.study
 def test_a_vehicle_goes_on_with_the_system_that_is_chosen_before_the_start() -> None:
     """Its name stands for all levels, but only the chosen one is compiled; the vehicle keeps its line."""
     climb = bb.line_of([bb.straight(1000.0, gradient=0.01)])
@@ -174,6 +175,7 @@ def test_an_fmu_gives_the_numbers_of_a_run() -> None:
         assert bogie["distance"] == pytest.approx(bb.run("bogie", 10.0, **BRAKED)["distance"][-1], rel=1e-7)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("call", "error", "sentence"),
     [

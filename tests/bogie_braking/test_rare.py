@@ -118,6 +118,7 @@ def test_a_point_model_that_rolls_has_the_probability_of_its_torque() -> None:
 # ---- plain runs ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 def test_splitting_holds_ten_million_plain_runs() -> None:
     """Compare at 1e-5, and check the stored coverage of 200 seeds of the point model at 1e-4."""
     data = json.loads(rare_stops.DATA.read_text(encoding="utf-8"))

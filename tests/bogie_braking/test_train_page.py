@@ -70,6 +70,7 @@ def test_brake_and_pictures_are_on_the_first_screen(page: Page) -> None:
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
+@pytest.mark.study
 def test_an_emergency_on_the_page_is_that_of_python(page: Page) -> None:
     begin(page)
     page.evaluate("document.querySelector('#valve button:nth-child(5)').click()")
@@ -84,6 +85,7 @@ def test_an_emergency_on_the_page_is_that_of_python(page: Page) -> None:
     assert pressures(page)[0] < pressures(page)[-1] < 6e5
 
 
+@pytest.mark.study
 def test_an_emergency_stops_where_that_of_python_does(page: Page) -> None:
     """The final message agrees to 0.1 % in distance and 1 kN in force, and once more from the resulting link."""
     sentence = page.evaluate(f"stopped({json.dumps('#' + PRESETS['Emergency, 40 wagons'])})")

@@ -104,6 +104,7 @@ def test_critical_speeds_are_those_of_the_profiles_of_the_file(tmp_path: Path) -
     assert abs(large_speed_of(sheet, start) - large_speed()) > 1.0
 
 
+@pytest.mark.study
 def test_a_search_that_ends_below_the_hunting_finds_no_speed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hunting, "FASTEST", 0.9 * large_speed())
     assert math.isinf(linear_speed_of(coach()))

@@ -492,6 +492,7 @@ def test_a_controller_that_waits_is_judged_by_its_answer(where: Callable[..., ob
     assert where(lambda: supervised.step(0.5, [10.0, 10.0])) == [APPLY, VENT]
 
 
+@pytest.mark.study
 @THREADS
 @pytest.mark.parametrize("controller", [Stalls(), Computes(0.3)], ids=["for ever", "and answers"])
 def test_a_controller_that_uses_too_much_processor_time_fails(controller: object, where: Callable[..., object]) -> None:

@@ -160,6 +160,7 @@ def test_numbers_on_the_pages_are_those_measured(numbers: ModuleType) -> None:
     assert numbers.main(["--check"]) == 0
 
 
+@pytest.mark.study
 def test_every_generated_part_of_a_page_has_its_generator(numbers: ModuleType) -> None:
     found = [
         name

@@ -42,7 +42,7 @@ EXTRAS = {"docs/hosts/ecos-and-libcosim.md": ("masters", ("ecospy", "libcosimpy"
 #: Commands that install, or run all tests, and their replacements in every run.
 DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test")}
 #: Pages whose kernels take half a minute and more to compile.
-SLOW = {"README.md", "CONTRIBUTING.md", "docs/controller.md", "docs/public.md", "docs/training.md"}
+SLOW = {"README.md", "CONTRIBUTING.md", "docs/controller.md", "docs/hosts.md", "docs/public.md", "docs/training.md"}
 #: Commands that take more than some seconds, and their replacements; `make test-long` runs the originals.
 SHORT = {
     "python build_fmu.py ssp": "python build_fmu.py brake",

@@ -39,6 +39,7 @@ def test_the_factor_of_a_fit_gives_the_distance_over_the_margin() -> None:
     assert 1.2 * found == pytest.approx(300.0, rel=STEP_ERROR)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("speed", "gradient"), [(80.0, 0.0), (60.0, -1 / 100), (110.0, 1 / 60)])
 def test_couplers_change_a_distance_by_less_than_its_bound(speed: float, gradient: float) -> None:
     """The train of the benchmark, with couplers and vehicles on the gradient one by one."""
@@ -48,6 +49,7 @@ def test_couplers_change_a_distance_by_less_than_its_bound(speed: float, gradien
     assert found == pytest.approx(due, rel=COUPLERS)
 
 
+@pytest.mark.study
 def test_a_closed_form_is_found_again_in_its_own_distances() -> None:
     """A table made of one deceleration, ramp and margin gives them back; a form without a margin misses it."""
     table = told("GW16")

@@ -21,6 +21,7 @@ def run_of(words: str) -> PrintedRun:
 LATERAL = run_of("lateral wave, 15 m/s: spectral peak")
 
 
+@pytest.mark.study
 def test_step_above_the_limit_moves_the_spectral_peak_to_the_printed_one_and_the_log_says_so() -> None:
     accurate, coarse = LATERAL.found(None), LATERAL.found(1e-3)
     assert LATERAL.limit() < 1e-3

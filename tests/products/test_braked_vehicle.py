@@ -46,6 +46,7 @@ def test_its_stop_is_that_of_the_rig(brake: int, equipment: tuple[str, ...]) -> 
     assert abs(stop_of(TIMED)["distance"][-1] / same.distance - 1.0) > 0.01
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("share", "mass"), [(0.95, 200.0), (0.3, 2000.0)])
 def test_discs_take_their_share_of_the_energy_and_treads_warm_none(share: float, mass: float) -> None:
     """Without cooling, discs take this share of (m + 4 I / r^2) v^2 / 2, less 1 % for rolling resistance and creep."""

@@ -107,6 +107,7 @@ def test_imports_are_read_as_python_reads_them() -> None:
             assert imports_of(path) == {file for one in named for file in module_files._files_of(one)}, path
 
 
+@pytest.mark.study
 def test_another_compiler_is_asked_again(made: Callable[[], int], monkeypatch: pytest.MonkeyPatch) -> None:
     building.kernel_of("rail")
     once = made()

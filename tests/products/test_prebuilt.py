@@ -61,6 +61,7 @@ def test_of_unchanged_sources_nothing_is_generated(filled: Path, monkeypatch: py
     assert kernel["brake_torque"] == from_fmu > 0.0
 
 
+@pytest.mark.study
 def test_the_protection_that_a_wheel_brings_needs_no_compiler(filled: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rig_in_c, "plain_library", refuse)
     path = rig_in_c.library.__wrapped__()

@@ -126,6 +126,7 @@ def test_clean_surfaces_have_the_law_of_1999() -> None:
         assert float(found) == pytest.approx(exact, rel=1e-14)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", LEVELS)
 def test_what_does_not_fall_and_has_no_patch_changes_nothing(bogie: Library, level: int) -> None:
     """Bit-identical with a friction ratio of 1 at any decay, and with a patch of the same friction as the rest."""

@@ -28,6 +28,7 @@ def test_the_fall_over_sliding_is_that_of_the_vehicles(name: str) -> None:
     assert fallen_friction(CONDITIONS[name](), sliding) == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.study
 def test_the_recovery_is_that_of_the_fmu_far_behind_its_begin() -> None:
     """The leading wheelset slides at 1 m/s under 30 kN, at 10 m/s: 3 kJ/m."""
     kernel = Kernel(quick_library(rail_adhesion()), speed=10.0, creep_force_1=-30e3, slip_1=1.0)

@@ -156,6 +156,7 @@ def test_no_work_is_done_over_a_closed_cycle_without_friction(pair: str) -> None
         assert abs(work) < CLOSED * max(energy for energy, _, _ in found)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("pair", ["S1002", "A"])
 def test_loads_are_those_of_strips_from_the_tread_to_the_root(pair: str) -> None:
     """Strips solve for the pressure (Knothe 1984, Kalker 1982). Places merge, part and jump between these shifts.

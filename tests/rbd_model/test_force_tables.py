@@ -108,6 +108,7 @@ def test_a_mass_released_on_a_stop_keeps_its_energy(bench: Library, force: float
     assert table_energy(*STOP, furthest) == pytest.approx(abs(force) * furthest, rel=0.02)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("force", "speed"), [(3000.0, 0.005), (-9000.0, -0.015)])
 def test_a_damper_creeps_at_the_rate_of_its_table(bench: Library, force: float, speed: float) -> None:
     kernel = standing(bench, force_saturating=force)

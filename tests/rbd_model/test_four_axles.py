@@ -94,6 +94,7 @@ def test_frequencies_on_vertical_springs_are_the_closed_forms(
         assert np.min(np.abs(found - expected)) < CLOSED_FORM * expected
 
 
+@pytest.mark.study
 def test_bending_of_the_air_springs_stiffens_the_frames_pitch(vehicle: Library, systems: tuple[System, ...]) -> None:
     """11.729 Hz: both secondary springs of a bogie add to the primary ones; body and frames move in opposition."""
     p = manchester_vehicle_1()

@@ -144,6 +144,7 @@ def test_momentum_changes_by_the_weight_alone(on_line: bool, tmp_path: Path) -> 
             assert np.max(np.abs(sums[three])) < MOMENTUM_BAND * np.max(sizes[three]), (seed, sums, sizes)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("on_line", TRACKS)
 def test_energy_goes_into_heat_alone(on_line: bool, tmp_path: Path) -> None:
     for seed in range(STATES):

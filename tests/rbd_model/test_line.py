@@ -194,6 +194,7 @@ def test_a_mirrored_line_gives_a_mirrored_answer(written, patched: Library) -> N
     assert max(errors.values()) < MIRROR_BAND, errors
 
 
+@pytest.mark.study
 def test_mirrored_irregularities_give_a_mirrored_answer(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
     """Irregularities grow in over 10 m: a vehicle starts as on perfect rails."""
     line = irregular(curving(), ERRI_LOW, seed=3)
@@ -266,6 +267,7 @@ def test_a_curve_of_a_million_kilometres_is_straight(written, patched: Library) 
     assert np.all(away[1e12] <= np.array([1e-12, 1e-12, 1e-11, 1e-12]) * found[math.inf] + 20e-12)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", ["patched", "planar"])
 def test_derivatives_by_places_on_the_line_are_exact(level, written, request) -> None:  # type: ignore[no-untyped-def]
     """Compare with central differences in a transition with cant and gradient. The relative position of two places on
@@ -331,6 +333,7 @@ def wavelength() -> float:
     return 2 * math.pi * math.sqrt(parameters.wheel_radius * pair.wheel_half_distance / conicity)
 
 
+@pytest.mark.study
 def test_a_free_wheelset_swings_about_its_rolling_line_with_klingels_wavelength(wheelset: Library, written) -> None:  # type: ignore[no-untyped-def]
     """At walking pace from 1 mm beside its rolling line. In the wide curve the middle of its motion is within 0.1 mm of
     that line. On straight track it is the centre.
@@ -527,6 +530,7 @@ def test_locked_wheels_slide_as_the_friction_of_each_rail_says(written, patched:
     assert held == pytest.approx(couple, rel=2 * SLIDING_BAND)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", MAPPED_BANDS)
 def test_locked_wheels_stop_where_friction_along_the_line_has_taken_their_energy(level, written, request) -> None:  # type: ignore[no-untyped-def]
     """v^2 / 2 = g mu0 times the integral of the factor over the travel of the axles. No step skips 1 m of sand."""

@@ -62,6 +62,7 @@ def shares_of_bound(line: LineFromPoints, radius: float) -> tuple[float, float]:
     return float(np.max(np.abs(missed) / bound)), float(np.max(np.abs(missed)) * abs(radius))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("noise", [0.0, 0.001, 0.005, 0.02])
 def test_curvature_lies_within_its_told_bounds_everywhere(noise: float) -> None:
     """Of 930 lines with these noises, spacings of 1 to 20 m and transitions of 30 and 60 m, the largest share was 0.91.

@@ -73,6 +73,7 @@ def test_running_resistance_is_told_to_hold_a_vehicle_where_no_brake_does(level:
         assert abs(table["speed"][-1]) < 1e-3
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("axles", [2, 12])
 def test_a_wheelset_that_locks_is_locked_until_its_axle_rests(axles: int) -> None:
     """At level 1, where all axles have the speed of the vehicle."""
@@ -111,6 +112,7 @@ def test_a_vehicle_that_starts_again_says_so_once_and_its_next_lock_is_told(leve
     assert told == ["The vehicle stands", "The vehicle moves again", "Wheelset 1 locked", "The vehicle stands"]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", LEVELS)
 def test_locks_and_releases_without_end_are_told_ever_less_often(level: str) -> None:
     """Repeated locks as with wheel-slide protection; the first one of each wheelset is reported."""

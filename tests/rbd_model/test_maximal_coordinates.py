@@ -209,6 +209,7 @@ def test_oracle_reads_data_and_no_equation(name: str) -> None:
     assert {one for one in read if one.startswith("tests")} <= own
 
 
+@pytest.mark.study
 def test_error_of_a_differenced_connection_falls_with_the_square_of_its_step() -> None:
     at = snapshot("bogie", False, 0)
     one = oracle("bogie", at.course)

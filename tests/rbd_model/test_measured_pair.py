@@ -73,6 +73,7 @@ def brute_force_conicity(wheel: np.ndarray, rail: np.ndarray, amplitude: float) 
     return 750.0 * 460.0 * (math.pi / 2 / quarter) ** 2
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("amplitude", [2.0, 3.0, 4.0])
 def test_conicity_is_that_of_an_independent_calculation(amplitude: float, tmp_path: Path) -> None:
     """A cone 1:20 with a hollow of 0.2 mm on the reference rail: no flange jumps."""

@@ -218,6 +218,7 @@ def value_of(name: str, stiffness: str, factor: float) -> dict[str, float]:
     return {stiffness: factor * VEHICLES[name]().number(stiffness)}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("scene", SCENES)
 def test_rails_carry_the_moments_of_a_vehicle_that_brakes_leans_and_turns(scene: str, tmp_path: Path) -> None:
     for stiffness, factor in SHORT:

@@ -47,6 +47,7 @@ def rolling(vehicle: Vehicle) -> Library:
     return quick_library(model_of(point_vehicle(vehicle, True), 1e-9))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("make", [two_axle_bogie, passenger_coach])
 def test_a_vehicle_feels_straight_lines_of_gradient(make, few_rows: Path) -> None:  # type: ignore[no-untyped-def]
     """a = -g m / (m + J / r^2) times the mean of the gradients under its masses, for freely rolling wheels."""
@@ -63,6 +64,7 @@ def test_a_vehicle_feels_straight_lines_of_gradient(make, few_rows: Path) -> Non
     assert np.max(np.abs(felt - mean)) < STRAIGHT_BAND
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("make", "halves"), [(point_vehicle, (0.5, 5.0, 50.0, 500.0)), (planar_vehicle, (50.0,))])
 def test_no_step_passes_over_a_hill(make, halves: tuple[float, ...], tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     """A peak of 20 per mille alone on its line: m g h = (m + J / r^2) (v0^2 - v1^2) / 2. Nothing else limits steps."""

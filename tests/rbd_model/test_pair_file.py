@@ -50,6 +50,7 @@ def unequal() -> Sides:
     return Sides(european_pair().left, synthetic_pair().right)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("sides", [own_pair(), european_pair(), unequal()], ids=["synthetic", "S1002", "unequal"])
 def test_a_table_that_is_read_is_the_one_that_was_written(sides: Sides, tmp_path: Path) -> None:
     path = write_pair(sides, tmp_path / "pair.csv")
@@ -59,6 +60,7 @@ def test_a_table_that_is_read_is_the_one_that_was_written(sides: Sides, tmp_path
     assert sides.left.wheel.name in path.read_text(encoding="utf-8").splitlines()[1]
 
 
+@pytest.mark.study
 def test_only_the_stiffness_depends_on_the_radius_of_a_wheel() -> None:
     """The runtime scales it with the radius of the instance to the power of a quarter, Johnson (1985), section 4.2."""
     one = own_pair().left
@@ -103,6 +105,7 @@ DAMAGES = {
 }
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_damaged_table_is_refused_with_row_and_remedy(damage: str, tmp_path: Path) -> None:
     pattern, text, sentence = DAMAGES[damage]
@@ -157,6 +160,7 @@ def swing(*pairs: Sides, **values: float | str) -> np.ndarray:
     return np.array(rows)
 
 
+@pytest.mark.study
 def test_files_give_the_run_of_the_pairs_in_the_equations(files: dict[str, Path], tmp_path: Path) -> None:
     """One file for each wheelset, or both tables in one file; one file, or a file twice, is that of both wheelsets."""
     paths = [str(files[name]) for name in ("unequal", "european")]
@@ -181,6 +185,7 @@ def test_a_pair_on_wheelset_1_changes_the_contact_of_wheelset_1_alone(files: dic
     assert not np.array_equal(own[-1, 1], other[-1, 1])  # the frame joins them
 
 
+@pytest.mark.study
 def test_worn_wheel_whose_contact_jumps_often_carries_the_vehicle(tmp_path: Path) -> None:
     worn = bb.pair(REFERENCE / "en15302_RUIC519A.csv", REFERENCE / "en15302_SUIC519A.csv")
     assert len(parts_of(worn.left)) > 5
@@ -240,6 +245,7 @@ def test_two_equal_patches_sink_less_than_one() -> None:
     assert lift_with(1.004) == 0.0
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_kernel_refuses_what_python_refuses_and_keeps_its_table(
     damage: str, files: dict[str, Path], tmp_path: Path
@@ -294,6 +300,7 @@ def test_a_patch_that_a_table_does_not_have_is_none_of_its_others(files: dict[st
     assert [kernel[name] for name in paths] == [1.0, 0.0, 1.0]
 
 
+@pytest.mark.study
 def test_contact_without_a_table_refuses_a_file_and_other_levels_warn(files: dict[str, Path]) -> None:
     places = places_of(2, on_line=False) + places_of(3, 1, on_line=False)
     rigid = model_of_levels("Bogie", "planar and rigid", two_axle_bogie(), places)

@@ -105,6 +105,7 @@ def test_no_part_touches_at_its_cut() -> None:
             assert np.nanmax(inner.nearest) < cut - CLEAR
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("shift", [1.0, 3.0, 7.0, 10.0])
 def test_patch_presses_where_exact_theory_has_it(shift: float) -> None:
     """The left wheel while the right one climbs. The roll of up to 11 mrad alone moves the nearest point by 2 mm."""
@@ -114,6 +115,7 @@ def test_patch_presses_where_exact_theory_has_it(shift: float) -> None:
     assert pressed.up == pytest.approx(manchester.LOAD, rel=1e-6)
 
 
+@pytest.mark.study
 def test_flange_and_tread_slide_by_the_law_of_elastic_patches_or_by_their_own() -> None:
     """Right wheel of the Manchester benchmark: flange contact at 7 mm, tread contact at 3 mm."""
     exact = manchester.exact("right")
@@ -176,6 +178,7 @@ def rigid() -> Library:
     return quick_library(model_of(spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3())), 1e-7))
 
 
+@pytest.mark.study
 def test_wheelset_at_rest_stands_still_with_its_weight_on_the_rails(patched: Library, depth: int) -> None:
     """It starts at the static approach of Hertz' ellipse, which suits strips within their error, and comes to rest."""
     kernel = Kernel(patched, initial_speed=10.0)
@@ -186,6 +189,7 @@ def test_wheelset_at_rest_stands_still_with_its_weight_on_the_rails(patched: Lib
         kernel.advance(0.5)
 
 
+@pytest.mark.study
 def test_wave_on_the_treads_is_that_of_the_rigid_contact(patched: Library, rigid: Library) -> None:
     values = {"lateral_irregularity": 5e-3, "tolerance": 1e-7}
     peaks = []
@@ -200,6 +204,7 @@ def test_wave_on_the_treads_is_that_of_the_rigid_contact(patched: Library, rigid
     assert peaks[1] > 2e-3
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("yaw_torque", [20e3, 43.92e3])
 def test_energy_closes_through_tread_and_flange_contact(patched: Library, yaw_torque: float) -> None:
     kernel = Kernel(patched, tolerance=1e-7)
@@ -219,6 +224,7 @@ def test_energy_closes_through_tread_and_flange_contact(patched: Library, yaw_to
     assert kernel["integral_brake_power"] > 1e3 * ENERGY_BAND * before
 
 
+@pytest.mark.study
 def test_mirrored_scene_on_patches_gives_the_mirrored_answer(patched: Library, depth: int) -> None:
     """Strips start and stop touching, which makes kinks in their forces: a tolerance of 1e-9 would need tiny steps."""
     found = []
@@ -232,6 +238,7 @@ def test_mirrored_scene_on_patches_gives_the_mirrored_answer(patched: Library, d
     assert abs(found[0][1]) > 1e4
 
 
+@pytest.mark.study
 def test_jacobian_of_patches_is_that_of_differences_in_tread_and_flange_contact(patched: Library, depth: int) -> None:
     """At 9.6 mm both treads and a flange bear. Compare with differences along random directions of the states."""
     kernel = Kernel(patched, tolerance=1e-7)
@@ -249,6 +256,7 @@ def test_jacobian_of_patches_is_that_of_differences_in_tread_and_flange_contact(
         assert np.abs((forward - backward) / 2 - along).max() < SLOPE_BANDS[depth] * np.abs(along).max()
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("asked", [0.0, 1.0])
 def test_limits_of_en_14363_are_told_where_they_are_asked_for(patched: Library, asked: float) -> None:
     """A yaw torque drives wheelset 1 against its rail: the impact exceeds 0.8 and 10 kN + P0 / 3."""
@@ -300,6 +308,7 @@ def slid(library: Library, weak: str) -> tuple[np.ndarray, np.ndarray]:
     return np.array(held), np.array([kernel["lateral_1"], kernel["yaw_1"]])
 
 
+@pytest.mark.study
 def test_rails_of_unequal_friction_hold_by_their_own(patched: Library, rigid: Library, depth: int) -> None:
     """At each contact model. The rail with more friction turns the wheelsets; mirrored runs agree."""
     for library in {2: (rigid, patched), 3: (patched,)}[depth]:
@@ -339,6 +348,7 @@ def unequal(mirrored: bool, depth: int) -> Library:
     return quick_library(model_of(spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(depth)), 1e-7))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("depth", [2, 3])
 def test_wheelset_with_unequal_sides_steers_to_the_smaller_wheel_and_its_mirror_image_the_other_way(depth: int) -> None:
     found = []

@@ -126,6 +126,7 @@ def conicity_of_equal_sides(wheel: str) -> np.ndarray:
     return equivalent_conicity(en_15302_pair(wheel), en_15302_conicity("E1")[0] / 1e3, rolls=False)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("wheel", "case"), [("A", "E1"), ("B", "E2"), ("H", "E3"), ("I", "E4")])
 def test_equivalent_conicity_is_that_of_en_15302_at_every_amplitude(wheel: str, case: str) -> None:
     """Within the standard's limits, without roll. Up to 1.7 mm the wheels I are not guided (E4)."""
@@ -149,6 +150,7 @@ UNEQUAL = {
 }
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("case", UNEQUAL)
 def test_conicity_of_unequal_sides_is_that_of_en_15302_at_every_amplitude(case: str) -> None:
     """Wheels of 918 and 920 mm, or of two profiles, on one axle: within the limits about the shifted centre."""
@@ -251,6 +253,7 @@ def test_sides_that_are_equal_are_a_pair() -> None:
     assert equivalent_conicity(nearly, amplitudes, False, 40) == pytest.approx(found, rel=2e-3)
 
 
+@pytest.mark.study
 def test_every_two_of_the_reference_wheels_of_918_and_920_mm_have_a_conicity() -> None:
     """No NaN and no negative conicity, also with wheels I, which are not guided near the middle (E4)."""
     amplitudes = np.linspace(1e-3, 7e-3, 7)
@@ -375,6 +378,7 @@ def last_of_thesis_pair() -> ContactAtShift:
     return last_tread_contact(thesis_pair())
 
 
+@pytest.mark.study
 def test_flange_contact_and_loss_of_tread_contact_are_where_the_thesis_says() -> None:
     assert flange_contact_shift(thesis_pair()) == pytest.approx(9.5e-3, abs=0.1e-3)
     assert last_of_thesis_pair().shift == pytest.approx(11.5e-3, abs=0.1e-3)

@@ -51,6 +51,7 @@ def forces(depth: int, folder: Path, rows: dict[str, float], **state: float) -> 
     return {name: kernel[name] / LOAD for name in (*outputs, "creep_force_1")}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("depth", [2, 3])
 def test_rails_that_rise_carry_a_wheelset_as_a_gradient_does(depth: int, tmp_path: Path) -> None:
     """In level axes it climbs and yaws by slope times roll, and the creep force has a vertical part."""

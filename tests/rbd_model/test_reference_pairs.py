@@ -36,6 +36,7 @@ def vehicle_on(pair: Pair) -> Vehicle:
     return replace(own, wheelsets=tuple(replace(one, pair=pair) for one in own.wheelsets))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("wheel", ["A", "B"])
 def test_parts_that_jump_too_often_are_joined(wheel: str) -> None:
     """Their contacts jump every tenth of a millimetre of shift in the flange root, those of A on the tread too."""
@@ -57,6 +58,7 @@ def test_parts_that_jump_too_often_are_joined(wheel: str) -> None:
             assert stand.roll == pytest.approx(rigid.roll, abs=1e-7)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("height", "length"), [(5e-6, 8e-3), (2e-6, 4e-3)])
 def test_waves_within_a_contact_make_no_patches(height: float, length: float) -> None:
     """Measured wheels have waves of micrometres. At contact model 3 each wave is a part, at contact model 2 none is."""

@@ -62,6 +62,7 @@ def run_out(speed: float) -> tuple[float, float]:
     return (ROLLING * math.log(1 + (b + c * speed) * speed / a) - b * time) / (2 * c), time
 
 
+@pytest.mark.study
 def test_a_vehicle_runs_out_and_stops_as_its_momentum_says(on_gradient: Make) -> None:
     kernel = on_gradient(0.0, initial_speed=SPEED)
     kernel.set(**dict(zip(("davis_constant", "davis_linear", "davis_quadratic"), DAVIS, strict=True)))

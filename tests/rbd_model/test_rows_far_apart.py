@@ -44,6 +44,7 @@ def guiding_force(bogie: Library, line: Line, folder: Path) -> np.ndarray:
     return np.array(kernel.record(seconds, 0.02, ["guiding_force_1"])["guiding_force_1"])
 
 
+@pytest.mark.study
 def test_rows_every_10_m_run_with_the_forces_of_the_line(bogie: Library, tmp_path: Path) -> None:
     """Corners at 73, 133, 283 and 343 m: 3 m behind a row for rows from -20 m on, at a row for rows from -17 m on."""
     into, out = clothoid(60.0, straight(1.0), CURVE), clothoid(60.0, CURVE, straight(1.0))

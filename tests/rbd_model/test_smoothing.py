@@ -117,6 +117,7 @@ def test_points_of_formulas_have_the_spline_of_least_squares() -> None:
         draw_smoothing([one])
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("wheel", "case"), [("A", "E1"), ("B", "E2"), ("H", "E3"), ("I", "E4")])
 def test_conicity_of_smoothed_reference_profiles_is_that_of_en_15302(wheel: str, case: str) -> None:
     wheel_points, rail_points = (

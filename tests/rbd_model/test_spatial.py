@@ -60,6 +60,7 @@ def spatial(library: Library, **values: float) -> Kernel:
     return Kernel(library, **{"level": 3, "contact_model": 1} | values)
 
 
+@pytest.mark.study
 def test_lost_energy_equals_brake_creep_and_damper_work(observed: Library) -> None:
     """A lateral wave without flange contact, then braking to a stop."""
     kernel = Kernel(observed, tolerance=1e-10, lateral_irregularity=0.01)
@@ -93,6 +94,7 @@ def test_energy_is_kept_wherever_brake_and_flange_react(observed: Library, react
 HEIGHT_BAND = 4e-3
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("at_rail", [0.0, 1.0])
 def test_flange_is_pushed_at_the_rail_or_at_the_axle(bogie: Library, at_rail: float) -> None:
     """Eq. (3.106). The height of the force follows from the moments of all loads about the forward axis."""
@@ -225,6 +227,7 @@ def test_straight_symmetric_stop_is_that_of_the_planar_level(bogie: Library) -> 
 STOP_TIME_BAND, STOP_DISTANCE_BAND = 1e-3, 10e-3
 
 
+@pytest.mark.study
 def test_stop_is_that_of_another_method(bogie: Library) -> None:
     """Brake with 20 kN.m from 25 m/s until both wheelsets stand; SciPy's Radau is 100 times tighter."""
     system = levels(two_axle_bogie())[2]
@@ -427,6 +430,7 @@ def growth(library: Library, speed: float, **values: float) -> float:
     return max(mode.growth for mode in oscillations(wheelset_in_frame(), np.array(linearised(kernel, 1.0))))
 
 
+@pytest.mark.study
 def test_wheelset_of_chapter_4_hunts_as_printed(wheelset: Library) -> None:
     """Section 4.4: wavelength 13.25 m (VAMPIRE 14) at 15 m/s; 1.89 Hz (1.79) at 25 m/s; critical speed 27 m/s."""
 
@@ -507,6 +511,7 @@ def wheelset_on(track: Track, **values: float) -> Kernel:
     return Kernel(quick_library(model_of(system, 1e-7)), **values)
 
 
+@pytest.mark.study
 def test_track_from_points_is_the_track_of_the_formula(tmp_path) -> None:  # type: ignore[no-untyped-def]
     """The wave (5.3) as a file with a point every 0.1 m causes the same motion as its formula, here vertically."""
     parameters = replace(section_5_3(), vertical_irregularity=0.01)
@@ -552,6 +557,7 @@ def test_wave_and_plateau_are_those_printed() -> None:
         assert np.abs((after - before)[:2] / 2e-4 - at[1:]).max() < 1e-6
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("driven", "read", "level", "word"),
     [

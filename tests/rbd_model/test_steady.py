@@ -332,6 +332,7 @@ def in_space(vehicle: Vehicle) -> System:
     return spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(2), True)
 
 
+@pytest.mark.study
 def test_on_straight_and_level_track_nothing_is_sought(tmp_path: Path) -> None:
     """A line that begins straight and level, irregular or not: bit-identical to equations without a steady start."""
     system = in_space(two_axle_bogie())
@@ -353,6 +354,7 @@ def test_on_straight_and_level_track_nothing_is_sought(tmp_path: Path) -> None:
 # ---------------------------------------------------------------------------
 
 
+@pytest.mark.study
 def test_dampers_and_sliders_start_without_a_force(tmp_path: Path) -> None:
     """Parallel to the springs of a bogie. The start equals that without them, within the remaining friction, and
     persists.

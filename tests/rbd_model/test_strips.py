@@ -337,6 +337,7 @@ def creep_of_level(stand: Stand, motion: manchester.Motion) -> np.ndarray:
     return np.asarray(sliding - smooth) / (manchester.FRICTION * float(np.hypot(*smooth[1:])))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("shift", [0.25, 0.5, 0.75])
 def test_patch_with_a_shoulder_creeps_as_elements_do(shift: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """The patch is up to 16 mm wide, three quarters of it flat; compare several numbers of strips, which converge."""

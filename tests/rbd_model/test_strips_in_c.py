@@ -80,6 +80,7 @@ def test_strips_of_the_level_creep_as_finer_ones_do(name: str, shift: float, ban
     assert np.linalg.norm(sliding - smooth - finer) < band * held
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", ["left", "right"])
 def test_forces_do_not_jump_where_contact_goes_from_one_part_of_the_wheel_to_the_next(name: str) -> None:
     """Over the half millimetre in which the right wheel's contact crosses a cut in its tread."""
@@ -138,6 +139,7 @@ def test_polynomial_that_is_too_far_off_is_refused() -> None:
         strips_in_c.fitted(x, np.abs(x))
 
 
+@pytest.mark.study
 def test_constants_do_not_hang_on_the_threads_of_blas() -> None:
     """Otherwise an FMU would have another GUID on a computer with more processors, or where a test sets its threads."""
     program = "from rbd_model.contact.strips_in_c import fits_in_c; print(fits_in_c())"

@@ -39,6 +39,7 @@ def distance(law: CreepLaw, other: CreepLaw, points: np.ndarray) -> np.ndarray:
     return np.asarray(np.hypot(*(values(law, points) - values(other, points)).T) / limit)
 
 
+@pytest.mark.study
 def test_table_gives_the_law_that_it_was_made_of() -> None:
     """Compare at the cases of exact theory, with signs of all kinds; another law is further away."""
     points, law = exact()[0], tabulated(of_polach())
@@ -100,6 +101,7 @@ def test_table_is_written_and_read_in_any_order_and_a_missing_place_is_told(tmp_
         CreepTable(of_polach().forces[1:])
 
 
+@pytest.mark.study
 def test_a_wheelset_stops_by_a_table_as_by_its_law() -> None:
     """This includes the exact Jacobian: without it steps would fail. The number of steps is about the same."""
     found = []

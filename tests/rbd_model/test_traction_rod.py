@@ -153,6 +153,7 @@ def test_load_moves_between_the_bogies_as_masses_on_springs_swing(level: int) ->
     assert np.max(np.abs(load - softer)) > LOAD_BAND * np.max(expected)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", [PLANAR, SPATIAL])
 def test_the_swing_along_the_track_has_the_frequency_and_decay_of_masses_on_rods(level: int) -> None:
     values = {"level": level, "contact_model": 1, "initial_speed": SLOW}
@@ -167,6 +168,7 @@ def test_the_swing_along_the_track_has_the_frequency_and_decay_of_masses_on_rods
     assert Swing.of(manchester_vehicle_1()).along.real > 0.5 * expected.real
 
 
+@pytest.mark.study
 def test_what_rods_turn_to_heat_is_lost() -> None:
     """Level 2, until the coach stands; for level 3 see `test_four_axles.py`. Dampers dissipate 1e-3 of the energy."""
     energies, powers = ["kinetic_energy", "potential_energy"], ["brake_power", "creep_power", "damping_power"]

@@ -221,6 +221,7 @@ def way(kernel: Kernel, name: str) -> float:
     return kernel[f"state_{name}_shift"]
 
 
+@pytest.mark.study
 def test_spring_and_damper_oscillate_as_one_degree_of_freedom(bench: Library) -> None:
     force, time = 1000.0, 0.3
     kernel = standing(bench, force_spring=force)
@@ -296,6 +297,7 @@ def measured(kernel: Kernel) -> Mapping[str, float]:
     return {name: kernel[name] for name in (*ENERGIES, *(f"integral_{power}" for power in POWERS))}
 
 
+@pytest.mark.study
 def test_torsion_turns_both_ends_by_hookes_law() -> None:
     """A beam that pitches on the heavy frame by a torsion spring only: sqrt(k / I)."""
     stiffness, inertia = 5e5, 100.0

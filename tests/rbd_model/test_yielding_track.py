@@ -46,11 +46,13 @@ def spread(scene: CoachRun, variants: tuple[tuple[float, float], ...]) -> np.nda
     return np.asarray(np.max(np.abs(np.array(others) / first - 1), axis=0))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("friction", [0.3, 0.5])
 def test_peaks_in_a_curve_hang_neither_on_the_tolerance_nor_on_the_damping_of_contacts(friction: float) -> None:
     assert np.all(spread(curve(300.0, 0.15, friction=friction), (OTHERS[0], *OTHERS[2:])) < PEAK_BAND)
 
 
+@pytest.mark.study
 def test_on_rigid_rails_they_hang_on_both() -> None:
     """This shows that the test above can fail; on flexible rails the same curve is stable."""
     rigid = replace(FLUTTERS, values=FLUTTERS.values | RIGID)
@@ -104,6 +106,7 @@ def leading_wheelset(names: list[str], matrix: np.ndarray, symmetric: bool) -> n
     return np.block([[np.zeros((4, 4)), np.eye(4)], [stiffness / mass, damping]])
 
 
+@pytest.mark.study
 def test_rigid_rails_let_friction_that_follows_the_load_shake_a_wheelset() -> None:
     """A fast motion of the vehicle grows. A symmetric stiffness gives its leading wheelset more damping."""
     place = settled(SHAKES, **RIGID, contact_damping=CALM).linearise().state

@@ -61,6 +61,7 @@ def check_sentence(said: str, path: Path) -> None:
     assert said.endswith((".", "?"))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_spoilt_file_is_read_or_refused_in_one_sentence(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

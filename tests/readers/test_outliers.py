@@ -53,6 +53,7 @@ def moved(points: Points, first: int, count: int, off: float) -> Points:
     return result
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("off", [-1.0, 0.1, 0.5])
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_points_off_the_contour_are_found_on_head_corner_and_wall(count: int, off: float) -> None:
@@ -103,6 +104,7 @@ FEATURES = {
 }
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("feature", FEATURES)
 def test_corners_steps_and_lips_of_worn_profiles_are_no_outliers(feature: str) -> None:
     for distance in DISTANCES:
@@ -116,6 +118,7 @@ def test_repeated_points_are_no_outliers_and_hide_none() -> None:
     assert [index for index, _ in outliers(np.insert(points, 100, points[100] + [0.1, 0.5], axis=0))] == [100]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", ["RUIC519A", "RUIC519H", "SUIC519A"])
 def test_an_outlier_of_twice_the_digits_of_files_is_found_on_the_tread_of_reference_profiles(name: str) -> None:
     """These have no noise. On wheel A single points that are 0.02 mm off change the conicity by up to 11 %."""

@@ -279,6 +279,7 @@ def test_files_of_instruments_and_programs_are_read_whole(name: str) -> None:
     assert (y.size, *y[[np.argmin(y), np.argmax(y)]]) == pytest.approx((count, *extent))
 
 
+@pytest.mark.study
 def test_damaged_files_give_points_or_a_sentence() -> None:
     """Cuts, swaps and changed bytes: the result is a contour or a file error."""
     random = np.random.default_rng(0)

@@ -112,6 +112,7 @@ def numbers() -> Iterator[str]:
         yield from (half, half + "0" * 700 + "1", half[:-1] + "0" + "9" * 700, half[:19], half[:25])
 
 
+@pytest.mark.study
 def test_numbers_have_the_same_bits(host: Path, folder: Path) -> None:
     """The locale of the host has no effect: Python's float rounds correctly."""
     found = list(numbers())

@@ -70,6 +70,7 @@ def test_jacobi_does_not_depend_on_the_order_of_the_slaves(fmus: dict) -> None:
     assert found[0] == found[1]
 
 
+@pytest.mark.study
 def test_steps_are_chosen_by_the_coupling_error(fmus: dict) -> None:
     """A tighter tolerance gives more steps and a smaller error; steps that were too long are repeated."""
     exact, _ = distance(fmus, Master(GAUSS_SEIDEL, extrapolated=True), 2e-4)
@@ -183,6 +184,7 @@ def test_bad_master_gets_a_sentence(method: str, tolerance: float | None) -> Non
         Master(method, coupling_tolerance=tolerance)
 
 
+@pytest.mark.study
 def test_scenario_chooses_its_macro_steps_by_tolerance(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:  # type: ignore[no-untyped-def]
     assert main(["run", "qr30-180kpa", "--coupling-tolerance", "1e-4", "--out", str(tmp_path)]) == 0
     coupling = json.loads((tmp_path / "qr30-180kpa" / "summary.json").read_text())["coupling"]

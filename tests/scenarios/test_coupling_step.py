@@ -61,6 +61,7 @@ def plant() -> Plant:
     return linear_bogie()
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", list(MASTERS))
 def test_stop_errs_by_the_surplus_of_the_torques_impulse(
     slaves: tuple[FmuInstance, FmuInstance], exact: CoupledStop, name: str

@@ -100,6 +100,7 @@ def test_accelerations_and_normal_forces_are_those_of_chapter_3(wheelsets: int) 
         assert force < FORCE_BAND, snapshot.scene
 
 
+@pytest.mark.study
 def test_random_states_contain_what_they_are_meant_to() -> None:
     for every, least in (([*snapshots(1), *snapshots(2)], 100), (snapshots(4), 50)):
         assert len(every) >= least

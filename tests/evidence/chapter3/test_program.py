@@ -121,6 +121,7 @@ def energy_and_power(mechanism: Mechanism, state: MechanismState) -> tuple[float
     return float(moving + p.gravity * np.dot(masses, heights)), float(pushed @ state.q_rate)
 
 
+@pytest.mark.study
 def test_fixed_partition_fails_near_half_a_turn_and_a_new_one_passes() -> None:
     """Eqs (3.107)-(3.114), with generalised coordinates alone as independent ones.
 
@@ -143,6 +144,7 @@ def test_fixed_partition_fails_near_half_a_turn_and_a_new_one_passes() -> None:
     assert last.time == pytest.approx(2 * half_turn, abs=1e-3)
 
 
+@pytest.mark.study
 def test_held_speed_stays() -> None:
     """C_t of (3.67), (3.68): the frame moves with the prescribed speed."""
     track = derivatives_along(replace(section_5_3(), vertical_irregularity=5e-3, irregularity_start=0.0))
@@ -154,6 +156,7 @@ def test_held_speed_stays() -> None:
     assert state.q_rate[frame][0] == pytest.approx(15.0, abs=1e-11)
 
 
+@pytest.mark.study
 def test_locked_wheelset_is_that_of_the_fast_model() -> None:
     """25 kN.m on the wheelset of chapter 4 at friction 0.1: time of locking, and sliding afterwards."""
     fast = Kernel(machine(1).library, initial_speed=2.5, friction_1=0.1, brake_torque_1=25e3, tolerance=1e-9)
@@ -188,6 +191,7 @@ def test_first_of_two_wheelsets_that_stop_within_a_step_ends_it(monkeypatch: pyt
         assert found.time == pytest.approx(0.5, abs=1e-5)
 
 
+@pytest.mark.study
 def test_weak_brake_lets_a_standing_wheelset_go() -> None:
     """A locked wheelset turns again if its brake is reduced below the torque of the rail."""
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1)
@@ -214,6 +218,7 @@ def test_rolling_radius_difference_is_that_of_the_contact_search() -> None:
         assert left - right == pytest.approx(expected, abs=2e-6)
 
 
+@pytest.mark.study
 def test_newton_raphson_diverges_where_the_fast_model_reports_the_fold() -> None:
     """Section 9.4.1: tread contact is lost at 11.5 mm, the shift from which (3.79) has no solution."""
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1)

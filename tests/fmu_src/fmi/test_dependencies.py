@@ -89,6 +89,7 @@ def test_values_at_the_start_depend_on_nothing_that_is_not_listed(name: str) -> 
     assert set(ACTING[name]) <= found
 
 
+@pytest.mark.study
 def test_speed_at_the_start_is_the_initial_speed_whatever_brakes(fmus: dict) -> None:
     """An importer that couples brake and bogie finds no loop: no torque affects the inputs of the brake."""
     for kind in ("native", "fmi3", "python"):

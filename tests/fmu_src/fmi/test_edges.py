@@ -43,6 +43,7 @@ def sleds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 # ---- the times of a run ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", NATIVE)
 @pytest.mark.parametrize("start", [0.0, UNIX])
 def test_no_step_goes_past_the_stop_time(sleds: dict, kind: str, start: float) -> None:

@@ -51,6 +51,7 @@ def begin(fmu: FMU3Slave, refs: dict[str, int], level: int, **values: float) -> 
     fmu.exitInitializationMode()
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", DIFFERENT)
 def test_fmpy_finds_no_problem(fmus: dict, name: str) -> None:
     assert validate_fmu(str(fmus[name, "fmi3"])) == []
@@ -94,6 +95,7 @@ def test_step_goes_on_where_no_early_return_is_allowed(fmus: dict) -> None:
         assert fmu.doStep(0.0, 5.0)[1:] == (False, False, 5.0)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("early", [True, False])
 def test_derailment_ends_the_simulation_with_its_sentence(fmus: dict, early: bool) -> None:
     """With early return: OK and a request to terminate. Without: the step is discarded."""

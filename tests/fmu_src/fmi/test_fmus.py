@@ -34,6 +34,7 @@ def test_fmpy_finds_no_problem(fmus: dict, key: tuple[str, str]) -> None:
     assert validate_fmu(str(fmus[key])) == []
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("key", BUILT)
 def test_variables_are_those_of_the_model_in_their_order(fmus: dict, key: tuple[str, str]) -> None:
     """The names that hosts rely on are in `products/variables.csv` (tests/fmu_src/fmi/test_promised_variables.py)."""
@@ -223,6 +224,7 @@ def test_events_are_told_as_sentences(fmus: dict) -> None:
             assert bogie.messages == ["Wheelset 1 locked at 0.48372 s."]
 
 
+@pytest.mark.study
 def test_equal_content_makes_equal_bytes(tmp_path: Path, fmus: dict) -> None:
     for name, kind in (("bogie", "native"), ("brake", "python")):
         assert main([name, "--kind", kind, "--out", str(tmp_path)]) == 0

@@ -63,6 +63,7 @@ def test_each_change_of_the_data_gives_another_guid(fmus: dict) -> None:
     assert f"binary,{token_in(contents['modelDescription.xml'].decode())}\n" in both
 
 
+@pytest.mark.study
 def test_each_train_has_its_guid(tmp_path: Path) -> None:
     plain = block_train(3)
     first, *others = plain.vehicles

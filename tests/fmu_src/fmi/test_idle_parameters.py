@@ -92,6 +92,7 @@ def test_an_initialisation_tells_of_them_in_one_sentence(path: Path, exchange: b
         assert [sentence.decode() for status, sentence in one.heard if status == WARNING] == [SENTENCE]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("exchange", [False, True])
 def test_values_of_the_start_are_told_of_by_nobody(path: Path, exchange: bool) -> None:
     with host(path, exchange=exchange) as one:
@@ -110,6 +111,7 @@ def test_a_kernel_in_python_has_it_in_its_journal() -> None:
     assert one.messages == [SENTENCE]
 
 
+@pytest.mark.study
 def test_a_name_that_there_is_not_is_told_however_it_is_used() -> None:
     one = Kernel(quick_library(stones()))
     ways: list[Callable[[], object]] = [

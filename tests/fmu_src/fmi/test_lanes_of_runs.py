@@ -82,6 +82,7 @@ def values_of(fmu: str, curve: Path, on_line: bool) -> dict[str, object]:
     return {name: value for name, value in (VALUES | line).items() if name in known}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("on_line", [False, True], ids=["straight", "line"])
 @pytest.mark.parametrize("fmu", ["bogie", "vehicle"])
 def test_a_run_has_the_same_bits_in_any_number_of_lanes(fmu: str, on_line: bool, folder: Path, curve: Path) -> None:

@@ -111,6 +111,7 @@ def test_a_master_that_reads_no_parameters_starts_with_those_of_the_system(syste
         assert (alone[name] == given[name]).all()
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", ["BogieBraking", "VehicleBraking"])
 def test_no_fmu_of_a_system_warns_as_it_starts(systems: Callable[[str], Path], name: str, tmp_path: Path) -> None:
     """A parameter without effect at the level would give a warning. Strict hosts treat a warning as an error."""

@@ -29,6 +29,7 @@ def test_every_set_is_written_under_its_name(files: dict[str, ParameterSet]) -> 
     assert all(one.name == name for name, one in files.items())
 
 
+@pytest.mark.study
 def test_every_vehicle_has_its_set(files: dict[str, ParameterSet]) -> None:
     for vehicle in (two_axle_bogie(), wheelset_under_frame(), passenger_coach(), loaded_coal_wagon()):
         own = vehicle.parameters.values()

@@ -51,6 +51,7 @@ def plugs(sources: Path, targets: Path) -> Iterator[tuple[str, str, str, str]]:
                     yield here, there, variable, theirs[member][0]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("kind", NATIVE)
 @pytest.mark.parametrize("name", DIFFERENT)
 def test_terminals_follow_the_schema_and_name_variables_that_are_there(fmus: Mapping, name: str, kind: str) -> None:

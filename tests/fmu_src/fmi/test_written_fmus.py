@@ -123,6 +123,7 @@ def test_controllers_go_for_any_number_of_wheelsets(wheelsets: int, tmp_path: Pa
         goes(path)
 
 
+@pytest.mark.study
 def test_fmus_in_c_are_built_with_all_others_and_are_native_only(tmp_path: Path) -> None:
     assert build_all([*IN_C], ["python"], tmp_path) == []
     assert not list(tmp_path.rglob("*.fmu"))

@@ -74,6 +74,7 @@ def test_protection_neither_locks_nor_wastes_adhesion(ideal: float, period: floa
     assert ideal < stop.distance < OVER_IDEAL * ideal
 
 
+@pytest.mark.study
 def test_without_protection_the_wheels_lock_and_the_stop_is_longer(locked: Stop, ideal: float) -> None:
     """On the dry rail the same brake locks no wheel, so nothing is compared."""
     assert locked.longest_lock > 10.0
@@ -126,6 +127,7 @@ DRY_SENSORS = [
 ]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("machine", "ratio", "teeth", "jitter"), DRY_SENSORS)
 def test_no_valve_leaves_apply_where_wheels_roll(machine: Machine, ratio: float, teeth: int, jitter: float) -> None:
     """The test counts valve commands, not metres."""

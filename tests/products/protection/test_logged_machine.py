@@ -96,6 +96,7 @@ def test_ratio_and_decay_are_told_by_their_slope_at_rest(far_log: bb.Recording) 
     assert slope == pytest.approx((1 - LAW["friction_ratio"]) * DECAY, rel=SLOPE)
 
 
+@pytest.mark.study
 def test_without_its_pull_it_is_the_bogie_with_these_torques(log: bb.Recording) -> None:
     times, values = log["time"], {"initial_speed": 25.0, "friction_1": 0.2, "friction_2": 0.2}
     driven = {name: (times, log[name]) for name in log.names[2:]}

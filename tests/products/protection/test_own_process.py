@@ -160,6 +160,7 @@ def test_an_fmu_for_a_coach_is_refused_on_a_bogie_and_a_table_names_other_variab
     assert named == Names(("wheel_speed_1", "wheel_speed_2"), ("valve_2", "valve_1"), "", (("period", 0.01),))
 
 
+@pytest.mark.study
 def test_an_fmu_that_allows_one_instance_never_has_two(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Four runs wait for each other."""
     made: list[Path] = []

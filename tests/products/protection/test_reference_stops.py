@@ -87,6 +87,7 @@ def test_a_table_is_compared_look_by_look(folder: Path, tmp_path: Path, capsys: 
     assert f"must have {len(lines)} lines" in capsys.readouterr().err
 
 
+@pytest.mark.study
 def test_numbers_of_the_table_are_read_back_exactly(folder: Path) -> None:
     stop = STOPS[2]
     rows = [line.split(",") for line in (folder / "reference.csv").read_text().splitlines()]
@@ -102,6 +103,7 @@ def test_all_commands_occur_with_each_number_of_wheelsets() -> None:
     assert {stop.wheelsets for stop in STOPS} == {1, 2, 4}
 
 
+@pytest.mark.study
 def test_the_linter_finds_the_documented_deviations_only(folder: Path) -> None:
     linter = needed("cppcheck", packages="cppcheck")
     words = ["--addon=misra", "--std=c99", "--suppress=missingIncludeSystem", "wheel_slide.c"]

@@ -218,6 +218,7 @@ def test_where_all_wheels_roll_a_run_is_the_ideal_one(equipment: tuple[str, ...]
         assert found.distance > (1 - ROLLS) * ideal
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_motors_that_spin_turn_their_work_into_motion_and_sliding(machine: Machine) -> None:
     """With almost no friction, m v^2 / 2 + J w^2 / 2 + sliding equals the work at constant power, once fast."""
@@ -256,6 +257,7 @@ def test_a_protection_against_spin_gains_speed_sooner_than_motors_that_spin() ->
         assert dry.commands == 0
 
 
+@pytest.mark.study
 def test_sand_stops_a_machine_sooner_the_further_ahead_it_falls() -> None:
     def stop(equipment: tuple[str, ...], **sand: float) -> float:
         run = Run(LOW.values(4) | {f"friction_{n}": 0.03 for n in range(1, 5)} | sand, 15.0, equipment=equipment)
@@ -267,6 +269,7 @@ def test_sand_stops_a_machine_sooner_the_further_ahead_it_falls() -> None:
     assert first < 0.7 * last < 0.7 * none
 
 
+@pytest.mark.study
 def test_a_dynamic_brake_lets_go_when_its_valve_vents(tmp_path: Path) -> None:
     """Only the motors brake here, as the cylinders have no air. Wheels slide until the brakes fade."""
     rail = LOW.values() | {"initial_reservoir_pressure": 0.0, "feed_orifice": 0.0, "motor_torque": 15e3}

@@ -85,6 +85,7 @@ def test_a_vehicle_with_discs_has_them_in_every_stop(tmp_path: Path) -> None:
     assert [case.equipment for case in with_own_brake(cases, brake)] == [("discs",), ("discs",), ("traction",)]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("acts_on", ["treads", "discs"])
 def test_python_and_command_brake_a_vehicle_alike(tmp_path: Path, acts_on: str) -> None:
     path = file(tmp_path, FILE.replace("[brake]", f"[brake]\nacts_on = '{acts_on}'"))

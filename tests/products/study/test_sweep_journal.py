@@ -86,6 +86,7 @@ def test_without_room_for_a_line_and_resumed_gives_the_same_bytes(
     assert files(folder) == files(whole)
 
 
+@pytest.mark.study
 @POSIX
 def test_killed_with_its_workers_and_resumed_gives_the_same_bytes(
     start: Callable[..., Any], whole: Path, tmp_path: Path

@@ -111,6 +111,7 @@ def test_its_cylinder_has_the_pressure_of_the_pipe() -> None:
     assert pipe.vehicle_pressures("cylinder") == pytest.approx([300e3 + AMBIENT] * 2, rel=2e-2)
 
 
+@pytest.mark.study
 def test_in_a_mixed_train_each_vehicle_brakes_by_its_own() -> None:
     """When released, the pipe is full: direct cylinders are full and others empty. An emergency reverses this."""
     train = Train(every_second(8))

@@ -98,6 +98,7 @@ def test_half_of_a_capacity_and_cooling_in_discs_gives_the_same_as_in_wheels() -
     assert found[1] == pytest.approx(found[0], rel=1e-12)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("fourier", [0.001, 0.003, 0.01, 0.03, 0.08, 4.0])
 def test_a_surface_with_constant_heat_has_its_closed_forms(fourier: float) -> None:
     """Half space, 2 q sqrt(t / (pi k rho c)), before the heat reaches the back; q L / (3 k) above the mean long after.

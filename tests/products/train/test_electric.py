@@ -282,6 +282,7 @@ def test_a_run_with_electric_brakes_is_saved_and_restored() -> None:
     assert np.array_equal(*own)
 
 
+@pytest.mark.study
 def test_the_fmu_of_a_metro_is_the_train(tmp_path: Path) -> None:
     consist = consist_of([METRO | {"valve": "head", "dead_time": 0.4}, METRO])
     write_in_c(train_fmu(consist, settings=Settings("whole", cells=1.0)), tmp_path / "TrainDynamics.fmu", 2)

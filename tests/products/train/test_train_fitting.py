@@ -35,6 +35,7 @@ def distances(values: dict[str, float]) -> np.ndarray:
     return np.array(found) - own
 
 
+@pytest.mark.study
 def test_stops_give_the_brake_and_the_filling_time_that_made_them(tmp_path: Path) -> None:
     rows = np.c_[SPEEDS * 3.6, distances(TRUE)]
     text = "speed [km/h],distance [m]\n" + "".join(f"{speed},{way}\n" for speed, way in rows)
@@ -44,6 +45,7 @@ def test_stops_give_the_brake_and_the_filling_time_that_made_them(tmp_path: Path
     assert found.deviations["distance"] < 0.02
 
 
+@pytest.mark.study
 def test_errors_of_stops_are_those_of_least_squares() -> None:
     """s^2 (J^T J)^-1 with the slopes of the distances by central differences, for errors of about 2 m."""
     noise = np.array([2.1, -1.2, 0.8, -2.4, 1.6])

@@ -288,6 +288,7 @@ def test_archives_of_two_trains_differ_in_their_description_and_numbers_alone(
     assert differing == {"modelDescription.xml", "resources/identity.csv", "resources/train.bin"}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", CONSISTS)
 @pytest.mark.parametrize("version", [2, 3])
 def test_it_is_valid_and_arrays_have_the_lengths_of_the_consist(
@@ -315,6 +316,7 @@ def test_a_locomotive_alone_is_a_train(tmp_path: Path) -> None:
             assert slave["largest_tension"] == 0.0
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("version", [2, 3])
 def test_the_sources_that_are_listed_compile(version: int, fmus: dict[tuple[str, int], Path], tmp_path: Path) -> None:
     with zipfile.ZipFile(fmus["short", version]) as archive:
@@ -563,6 +565,7 @@ def test_the_pipe_in_c_reads_and_writes_nothing_but_its_own(programs: dict, tmp_
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.study
 def test_numbers_that_are_no_train_s_make_none_or_one_that_runs(programs: dict, tmp_path: Path) -> None:
     one = write_numbers(block_train(1), Settings(cells=1.0), tmp_path / "one")
     (tmp_path / "other").mkdir()
