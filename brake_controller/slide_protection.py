@@ -48,7 +48,7 @@ class SlideProtectionParameters:
 
 
 def common_protection() -> SlideProtectionParameters:
-    """Return assumed thresholds, chosen on half of the rails of a programme of tests (docs/fitted.md).
+    """Return assumed thresholds, chosen on half of the rails of a test suite (docs/fitted.md).
 
     The slip is that of (2.10) times the speed, with the reference speed as that of the car.
     """
