@@ -96,6 +96,7 @@ def test_the_page_is_small_and_fits_its_window(page: Page, folder: Path) -> None
         page.screenshot(Path(os.environ["BOGIE_BRAKING_PICTURES"]) / name)
 
 
+@pytest.mark.study
 def test_the_page_has_the_numbers_of_the_rig(page: Page, folder: Path) -> None:
     """The first draw with the built-in protection: speeds within 1 cm/s, distances within 1 dm, linear in between."""
     choose(page, 0)

@@ -105,6 +105,7 @@ def test_where_all_wheels_roll_a_stop_costs_its_distance_and_one_filling(brake_r
     assert costs[1] > costs[0] + 0.1
 
 
+@pytest.mark.study
 def test_a_machine_that_does_not_stop_is_truncated_and_one_that_is_lost_costs_its_way_on() -> None:
     settings = Settings(period=0.1, brake_ratio=1e-3)
     own, turns = begun(only(Run(DRY.values())), 1, settings), 0

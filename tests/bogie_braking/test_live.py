@@ -166,6 +166,7 @@ def test_the_space_bar_brakes_releases_and_begins_anew(page: Page) -> None:
     assert page.evaluate("[at('brake-word').textContent, at('lever').value]") == ["Brake", "0"]
 
 
+@pytest.mark.study
 def test_the_keyboard_reaches_everything(page: Page) -> None:
     page.evaluate("openLink('#level=3').then(() => { at('more').open = true; document.activeElement.blur() })")
     interactive = (

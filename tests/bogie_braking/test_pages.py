@@ -128,6 +128,7 @@ def test_the_verdict_comes_first_the_picture_second_the_table_third(report: Page
     assert told == f"\u2717 1 of 3 judged rows does not hold: {failing}."
 
 
+@pytest.mark.study
 def test_numbers_of_the_table_are_those_of_the_summary(report: Page, summary: dict[str, Any]) -> None:
     shown = report.evaluate(
         """[...document.querySelectorAll(".rows tbody tr")].map((row) => Object.fromEntries(

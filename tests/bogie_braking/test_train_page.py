@@ -103,6 +103,7 @@ def test_an_emergency_stops_where_that_of_python_does(page: Page) -> None:
     assert page.evaluate("stopped(location.hash)") == sentence
 
 
+@pytest.mark.study
 def test_a_train_that_is_parted_empties_its_pipe_in_the_middle(page: Page) -> None:
     begin(page)
     page.evaluate("document.getElementById('part').click()")

@@ -111,6 +111,7 @@ def test_a_search_that_ends_below_the_hunting_finds_no_speed(monkeypatch: pytest
     assert math.isinf(large_speed_of(coach(), START))
 
 
+@pytest.mark.study
 def test_the_table_names_speeds_profiles_and_dampers_and_says_up_to_which_speed_nothing_hunts(tmp_path: Path) -> None:
     sheet = replace(with_profiles(tmp_path), assumed={"lateral_damping": "as the coach"})
     check = VehicleCheck(sheet, (), (), Hunting(linear_speed(), math.inf, START), None)

@@ -63,6 +63,7 @@ def moving(speed: float) -> float:
     return (coach().mass + wheelsets * p.wheelset_pitch_inertia / p.wheel_radius**2) * speed**2 / 2
 
 
+@pytest.mark.study
 def test_discs_of_another_radius_brake_as_their_radius_has_it() -> None:
     """T = mu F r, and the friction falls with the speed at r; parameters of the shoes have no effect on discs."""
     fixed = {"pad_friction_over_speed": 0.0, "pad_friction_over_temperature": 0.0}

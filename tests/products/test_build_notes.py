@@ -116,6 +116,7 @@ def test_another_compiler_is_asked_again(made: Callable[[], int], monkeypatch: p
     assert made() == 2 * once
 
 
+@pytest.mark.study
 def test_a_file_that_is_gone_is_made_again(made: Callable[[], int]) -> None:
     first = building.kernel_of("rail")
     first.unlink()

@@ -69,6 +69,7 @@ def test_the_protection_that_a_wheel_brings_needs_no_compiler(filled: Path, monk
     assert InC(path).functions(2).size > 0
 
 
+@pytest.mark.study
 def test_sources_that_make_the_same_are_recognised_by_what_they_make(
     filled: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -148,6 +148,7 @@ def test_named_conditions_say_which_are_verified() -> None:
 # -- the adhesion curve in a stop ---------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", [POINT, PLANAR])
 def test_wheelset_locks_beyond_the_peak_of_adhesion(bogie: Library, level: int) -> None:
     """A slowly rising torque follows the curve. Its maximum is that of the formula, and then the wheelset locks."""

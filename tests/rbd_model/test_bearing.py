@@ -176,6 +176,7 @@ def test_loads_are_those_of_strips_from_the_tread_to_the_root(pair: str) -> None
             assert pressed(one, at)[1][1] == pytest.approx(up, rel=OF_STRIPS)
 
 
+@pytest.mark.study
 def test_tables_of_a_jump_are_smooth() -> None:
     """Contact of S1002 jumps by 10 mm near the centre. Its place moves by less than a millimetre in a tenth of one."""
     one = european_pair().left

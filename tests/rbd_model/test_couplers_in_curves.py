@@ -10,6 +10,7 @@ from scenarios.bench.pushed_in_a_curve import on_paper, pushed
 BAND, FORCE = 2e-3, 100e3
 
 
+@pytest.mark.study
 def test_rails_hold_what_compressed_couplers_push_outwards() -> None:
     """2 F a / R: to the left in a curve to the left; in tension to the other side."""
     free = pushed(0.0)

@@ -73,6 +73,7 @@ def nearest(found: np.ndarray, wanted: complex) -> complex:
     return complex(found[np.argmin(np.abs(found.imag - wanted.imag))])
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("shafts", [ELASTIC_DRIVE, ELASTIC_AXLE, BOTH_ELASTIC])
 def test_free_wheels_turn_against_each_other_with_the_frequency_of_their_inertias(
     library: Library, shafts: int

@@ -208,6 +208,7 @@ def test_half_of_the_random_states_ask_for_three_times_friction_together() -> No
     assert share == pytest.approx(math.pi / 6, abs=0.05)
 
 
+@pytest.mark.study
 def test_table_of_exact_theory_is_near_the_published_rows() -> None:
     """Within 3 % of mu N at all rows; the best law that integrates along strips has an error of 4 %."""
     points, forces, _ = published()

@@ -116,6 +116,7 @@ def test_a_damper_creeps_at_the_rate_of_its_table(bench: Library, force: float, 
     assert kernel["state_saturating_shift_speed"] == pytest.approx(speed, rel=CLOSED_FORM)
 
 
+@pytest.mark.study
 def test_a_saturated_damper_resists_with_its_largest_force(bench: Library) -> None:
     """20 kN against 12 kN accelerate 1 t by 8 m/s2, also beyond the last point of the table."""
     kernel = standing(bench, force_saturating=20e3)

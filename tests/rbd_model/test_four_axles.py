@@ -107,6 +107,7 @@ def test_bending_of_the_air_springs_stiffens_the_frames_pitch(vehicle: Library, 
     assert np.min(np.abs(frequencies(vehicle, systems, PLANAR, **VERTICAL_ALONE) - expected)) > 1e-3 * expected
 
 
+@pytest.mark.study
 def test_static_axle_load_is_a_quarter_of_the_weight(vehicle: Library) -> None:
     """109.1 kN at every level."""
     for level in (1, PLANAR, SPATIAL):

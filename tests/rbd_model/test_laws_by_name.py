@@ -49,6 +49,7 @@ def test_a_wheelset_creeps_by_the_law_that_its_vehicle_names(level: int) -> None
     assert slip_ratio(DEFAULT_LAW, SMALL, level) == pytest.approx(small, rel=FITS)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("law", [DEFAULT_LAW, "kalker-linear"])
 def test_no_law_answers_where_the_ellipse_is_longer_than_its_tables(law: str) -> None:
     """A rail head of 50 m radius under a wheel of 0.46 m has an ellipse beyond 1:10."""

@@ -229,6 +229,7 @@ def test_energy_closes_over_curves_and_hills(level, braked, written, request) ->
     assert np.ptp(energy) < (BORN_BAND if level == "patched" else ENERGY_BAND) * np.max(table["kinetic_energy"])
 
 
+@pytest.mark.study
 def test_energy_closes_while_a_flange_pushes_rails_aside(written, patched) -> None:  # type: ignore[no-untyped-def]
     """The balance includes potential and kinetic energy of the rails and their losses. Without those of the dampers it
     fails.
@@ -355,6 +356,7 @@ def test_a_free_wheelset_swings_about_its_rolling_line_with_klingels_wavelength(
         assert (np.max(lateral) + np.min(lateral)) / 2 == pytest.approx(0.0, abs=1e-4)
 
 
+@pytest.mark.study
 def test_cant_that_balances_loads_both_rails_alike(wheelset: Library, written) -> None:  # type: ignore[no-untyped-def]
     """V^2 = R g tan(cant): apparent gravity is square to the track. At 2 % more speed the loads differ.
 
@@ -590,6 +592,7 @@ def test_a_map_of_friction_keeps_the_line_and_refuses_what_is_no_map() -> None:
             own.with_friction(places, factors)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", ["point", "planar", "patched"])
 def test_a_rolling_vehicle_gains_speed_as_its_masses_say(level, written, request) -> None:  # type: ignore[no-untyped-def]
     """a = g i m / (m + J / r^2); J includes the drive."""

@@ -177,6 +177,7 @@ def test_files_give_the_run_of_the_pairs_in_the_equations(files: dict[str, Path]
     assert np.array_equal(own, swing(own_pair(), profile_file=f"{synthetic};{synthetic}"))
 
 
+@pytest.mark.study
 def test_a_pair_on_wheelset_1_changes_the_contact_of_wheelset_1_alone(files: dict[str, Path]) -> None:
     own = swing(own_pair())
     other = swing(own_pair(), profile_file=f"{files['european']};{files['synthetic']}")

@@ -318,6 +318,7 @@ def test_rails_of_unequal_friction_hold_by_their_own(patched: Library, rigid: Li
         assert moved[1] < -1e-4  # to the right, whose rail holds more
 
 
+@pytest.mark.study
 def test_wheels_on_the_head_brake_by_its_friction_whatever_the_gauge_face_has(patched: Library) -> None:
     """Locked wheels use the full friction of the rail head: the answers are bit-identical."""
     found = []

@@ -73,6 +73,7 @@ def test_a_vehicle_runs_out_and_stops_as_its_momentum_says(on_gradient: Make) ->
     assert kernel["speed"] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("constant", "rolling"), HELD_BY)
 def test_resistance_above_the_pull_of_a_gradient_holds(on_gradient: Make, constant: float, rolling: float) -> None:
     """After settling for a minute the vehicle stays at rest for nine more."""

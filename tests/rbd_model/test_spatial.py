@@ -74,6 +74,7 @@ def test_lost_energy_equals_brake_creep_and_damper_work(observed: Library) -> No
     assert np.ptp(energy) < ENERGY_BAND * lost
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("at_rail", [0.0, 1.0])
 @pytest.mark.parametrize("reaction", [0.0, 1.0])
 def test_energy_is_kept_wherever_brake_and_flange_react(observed: Library, reaction: float, at_rail: float) -> None:
@@ -587,6 +588,7 @@ def test_smallest_level_says_why(driven: list[str], read: list[str], level: int,
     assert choice.level < 3 or "line_file" not in driven or choice.contact_model == DEPTH_ON_LINE
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("read", "words"),
     [

@@ -359,6 +359,7 @@ def test_patch_with_a_shoulder_creeps_as_elements_do(shift: float, monkeypatch: 
 PLANE_ERROR, PLACE_ERROR, APART = 0.02, 0.0125, 0.03
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("shift", [0.0, 5.0])
 def test_what_depth_3_misses_most_of_the_benchmark_is_that_it_puts_contact_in_one_plane(shift: float) -> None:
     """A patch 16 mm wide, and two patches 0.16 rad apart. In one plane the slip is linear about one place, with one

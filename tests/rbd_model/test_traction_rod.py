@@ -130,6 +130,7 @@ def leaning(p: VehicleParameters, below: float) -> np.ndarray:
 COACH = coach_with_traction_rods()
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("level", [PLANAR, SPATIAL])
 def test_a_braked_coach_carries_what_statics_say_once_its_body_is_calm(level: int) -> None:
     """The longitudinal force acts below the body's centre. Without rods the load oscillates by more than that."""

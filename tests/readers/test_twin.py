@@ -127,6 +127,7 @@ def test_numbers_have_the_same_bits(host: Path, folder: Path) -> None:
     assert isinstance(read_in_python(path), np.ndarray)
 
 
+@pytest.mark.study
 def test_rows_are_added_where_a_line_turns_far_from_row_to_row(host: Path, folder: Path) -> None:
     """A clothoid of 400 m to 500 m by its end rows turns by 0.4 rad, an arc of 300 m by 1.1 rad, a loop by 6.28 rad."""
     head, paths = "distance,curvature,cant,gradient,left_friction\n", list[Path]()

@@ -128,6 +128,7 @@ def test_line_that_leads_below_zero_shortens_the_step(fmus: dict, monkeypatch: p
         assert brake["brake_torque"] < 50.0
 
 
+@pytest.mark.study
 def test_fmu_that_cannot_save_its_state_is_refused_with_a_sentence(fmus: dict) -> None:
     with train(fmus, "python") as (brake, bogie, connections):
         coupling = Coupling([brake, bogie], connections, Master(coupling_tolerance=1e-3))

@@ -69,6 +69,7 @@ def test_trailing_wheelset_locks_where_load_transfer_leaves_it_too_little_adhesi
 CONE_DISTANCE, CONE_TIME = 0.01, 2e-3
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("utilisation", [0.9, 1.1])
 def test_inclination_of_the_cone_is_the_difference_of_planar_and_spatial_stops(utilisation: float) -> None:
     spatial = answers(SPATIAL, utilisation)

@@ -46,6 +46,7 @@ def test_variables_are_those_of_the_model_in_their_order(fmus: dict, key: tuple[
     assert all(v.description and (v.type != "Real" or v.unit) for v in variables)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("key", BUILT)
 def test_outputs_and_initial_unknowns_are_all_listed(fmus: dict, key: tuple[str, str]) -> None:
     description = read_model_description(str(fmus[key]))

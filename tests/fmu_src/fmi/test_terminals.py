@@ -91,6 +91,7 @@ def test_forces_at_a_drawbar_add_up_and_speeds_are_equal(fmus: Mapping) -> None:
     assert members == {"speed": ("speed", "signal"), "force": ("drawbar_force", "inflow")}
 
 
+@pytest.mark.study
 def test_couplers_of_the_vehicle_are_terminals(fmus: Mapping) -> None:
     assert {"coupler_front", "coupler_rear", "brake_4"} <= terminals(fmus["vehicle", "native"]).keys()
     braked = terminals(fmus["braked-vehicle", "native"]).keys()

@@ -121,6 +121,7 @@ def test_events_are_late_by_at_most_a_step_and_the_stop_is_right_to_first_order(
         assert found.counts["steps"] == found.counts["jacobians"] - 1 == round(stop.seconds / step)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("level", [1, 2, 3])
 @pytest.mark.parametrize("step", [5e-3, 1e-3, 2e-4])

@@ -64,6 +64,7 @@ def test_what_is_written_down_is_what_the_controller_saw_and_said() -> None:
     assert {0, 2} == set(np.unique(history.valve))
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_the_course_of_a_stop_ends_where_the_stop_does(machine: Machine) -> None:
     """Its distance is the integral of its speed; wheels roll at first, and locked wheels stand still."""

@@ -121,6 +121,7 @@ def test_runs_that_wait_are_those_that_run_alone(tmp_path: Path, monkeypatch: py
 # ---- brakes by flow of air -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_a_stop_without_protection_takes_one_filling_of_air(machine: Machine) -> None:
     """n cylinders take n V p / (1.2 R T) (`EXPONENT`), and the reservoir loses it at constant temperature."""
@@ -344,6 +345,7 @@ def noted(*faults: Fault) -> NDArray[np.float64]:
     return np.array(Notes.seen)
 
 
+@pytest.mark.study
 def test_a_sensor_that_fails_shows_what_it_is_told_to_show() -> None:
     whole = noted()
     late = whole[:, 0] >= 3.0

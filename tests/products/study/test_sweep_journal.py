@@ -104,6 +104,7 @@ def test_killed_with_its_workers_and_resumed_gives_the_same_bytes(
     assert files(folder) == files(whole)
 
 
+@pytest.mark.study
 @POSIX
 def test_workers_leave_with_a_killed_parent(start: Callable[..., Any], tmp_path: Path, token: int) -> None:
     arguments, file = ["sweep", "ticks", "--vary", f"token={token}", "--out", str(tmp_path)], points.scratch(token)

@@ -134,6 +134,7 @@ def test_in_a_mixed_train_each_vehicle_brakes_by_its_own() -> None:
     assert np.array_equal(train.state, after, equal_nan=True)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("brake_model", ["whole", "empirical", "delay"])
 def test_protection_holds_and_vents_the_cylinder_of_the_vehicle_that_it_commands(brake_model: str) -> None:
     train = Train(every_second(4), settings=Settings(brake_model))

@@ -33,6 +33,7 @@ def train_of(row: dict[str, Any], speed: float, gradient: float = 0.0, **start: 
     return train
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("seed", range(8))
 def test_energy_of_the_motion_becomes_heat_of_the_brake(seed: int) -> None:
     """0.5 (1 + r) m v^2 + m g h, with brakes that fade and gradients of both signs, to the stop and before it."""

@@ -43,6 +43,7 @@ def ways(path: Path, course: list[float]) -> list[tuple[float, float, float]]:
     return found
 
 
+@pytest.mark.study
 def test_it_is_valid(fmu: Path) -> None:
     assert validate_fmu(str(fmu)) == []
 

@@ -312,6 +312,7 @@ def test_brakes_that_do_not_act_change_no_bit_and_add_no_column_without_magnets(
         assert all(np.array_equal(run[name], runs[0][name]) for name in runs[0].names)
 
 
+@pytest.mark.study
 def test_the_fmu_brakes_as_the_train_does(tmp_path: Path) -> None:
     rows = [BARE | {"magnetic_attraction": 150.0, "parking_force": 20.0}, {"kind": "coach", **EDDY}]
     consist, settings = consist_of(rows), Settings("whole", cells=1.0)

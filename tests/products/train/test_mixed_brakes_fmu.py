@@ -159,6 +159,7 @@ def test_all_types_of_brakes_are_in_the_train() -> None:
     assert sum(one.heat.heat_capacity > 0.0 for one in vehicles) == 2
 
 
+@pytest.mark.study
 def test_an_fmu_of_either_standard_has_the_numbers_of_the_class_and_its_state_goes_on(path: Path) -> None:
     expected, middle = of_class(), COUNT // 2
     with FmuInstance(path, start_speed=SPEED) as slave:

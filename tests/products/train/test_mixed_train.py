@@ -76,6 +76,7 @@ def test_fmus_coupled_by_the_master_give_the_numbers_of_one_process(tmp_path: Pa
         assert vehicle["speed"] == pytest.approx(one.vehicle["speed"], abs=1e-7)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("way", ["held", "extrapolated"])
 def test_the_largest_stable_step_is_that_of_paper(way: str) -> None:
     stiffness, vehicle = 198e6, linear_vehicle(1)
