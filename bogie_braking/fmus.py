@@ -70,7 +70,7 @@ def write_fmu(
     Parameters
     ----------
     what : str, DataSheet, Vehicle, System or Model
-        Contents of the FMU. A str is the name of a built-in one. A DataSheet is a vehicle from a file (`read_vehicle`).
+        Contents of the FMU. A str names a built-in one. A DataSheet is a vehicle from a file (`read_vehicle`).
     path : str or Path
         File to write; it must end with .fmu.
     kind : str

@@ -68,8 +68,8 @@ def measured_from(path: str | Path, columns: ColumnMap | None = None) -> Recordi
     path : str or Path
         A log with names and units, such as `time [s],speed [km/h]`.
     columns : mapping, str or Path, optional
-        A map from its names to those of variables, or its TOML file. By default names are guessed, and told on standard
-        error.
+        A map from its names to those of variables, or its TOML file. By default names are guessed, and a message on
+        standard error shows the guesses.
 
     Returns
     -------

@@ -113,7 +113,7 @@ def _columns(record: Any, name: str, count: int) -> np.ndarray:
 def own_stops(consist: Consist, speeds: np.ndarray, places: np.ndarray, line: Line | None) -> list[OwnStop]:
     """Return stops of the train itself that begin where its front has these speeds.
 
-    Takes speeds, places [m/s].
+    Takes speeds [m/s], places [m].
     """
     settings, stops = select_brake_model(consist), []
     for speed, place in zip(speeds.tolist(), places.tolist(), strict=True):

@@ -53,7 +53,7 @@ SHAPE = PointTable("shape_start", "shape_speed", "shape_change", MOST_DRIVE_POIN
 def shape_of(speeds: Sequence[float], forces: Sequence[float]) -> dict[str, float]:
     """Return the parameters of `OverSpeed` of points.
 
-    Takes speeds, forces [m/s].
+    Takes speeds [m/s], forces [N].
     """
     largest = max(forces)
     return SHAPE.numbers(speeds, [force / largest for force in forces]) | {"shape_end": speeds[-1]}

@@ -120,7 +120,7 @@ def over_speed(standing: float, fast: float, half_speed: float) -> dict[str, flo
 def over_points(speeds: Sequence[float], frictions: Sequence[float]) -> dict[str, float]:
     """Return the parameters of a friction over speed by points, constant before the first and after the last.
 
-    Takes speeds, frictions [m/s].
+    Takes speeds [m/s], frictions [1].
     """
     return {"friction_law": float(TABLE)} | OVER_SPEED.numbers(speeds, frictions)
 

@@ -149,7 +149,7 @@ def _units(unit: str) -> str:
 
 
 def check_out(out: Path, *given: Path, picture: bool = False) -> None:
-    """Refuse to write over a file that is read, or over the picture beside the file."""
+    """Refuse to write over a file that is read, or over the figure beside the file."""
     if any(out.resolve() == one.resolve() for one in given):
         raise BadInputError(f"--out must be another file than FILE; got {out} twice. Name another.")
     if picture and out.suffix.lower() == ".png":

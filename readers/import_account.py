@@ -10,7 +10,7 @@ from typing import Any
 Row = dict[str, Any]
 #: Kinds of entries.
 KINDS = ("taken", "converted", "left", "assumed")
-#: Names of vehicles that a sentence lists.
+#: Names of vehicles that a message lists.
 NAMED = 3
 
 
@@ -21,13 +21,13 @@ class Account:
     Attributes
     ----------
     taken : list of str
-        Values that are used as they are.
+        Unchanged values.
     converted : list of str
-        Values that are used in another unit or form, with the calculation.
+        Values in another unit or form, with the calculation.
     left : list of str
-        Values that are not used, each with the reason.
+        Unused values, each with the reason.
     assumed : list of str
-        Values that the file does not state, or whose meaning is uncertain.
+        Values that the file does not state, and values of uncertain meaning.
     """
 
     taken: list[str] = field(default_factory=list)
@@ -54,12 +54,12 @@ class Imported(Account):
 
 
 class Notes:
-    """Collects sentences while an importer reads vehicle by vehicle.
+    """Collects messages while an importer reads vehicle by vehicle.
 
     Attributes
     ----------
     vehicle : str
-        Name of the vehicle that is read now; empty: the sentence is about the train.
+        Name of the vehicle that is read now; empty: the message is about the train.
     """
 
     def __init__(self) -> None:
@@ -68,7 +68,7 @@ class Notes:
         self._told: dict[str, dict[str, list[str]]] = {kind: {} for kind in KINDS}
 
     def begin(self, vehicle: str) -> None:
-        """Begin a vehicle; sentences that follow are about it."""
+        """Begin a vehicle; the messages that follow are about it."""
         self.vehicle = vehicle
         if vehicle not in self._vehicles:
             self._vehicles.append(vehicle)
@@ -86,7 +86,7 @@ class Notes:
         self._add("left", sentence)
 
     def left_of(self, reasons: Mapping[str, str], names: Collection[str]) -> None:
-        """Add those of the names that have a reason to be left, a sentence for each reason."""
+        """Add those of the names that have a reason to be left, a message for each reason."""
         for reason in dict.fromkeys(reasons.values()):
             if told := [name for name, one in reasons.items() if one == reason and name in names]:
                 self.left(f"{', '.join(told)}: {reason}.")
@@ -101,13 +101,13 @@ class Notes:
             places.append(self.vehicle)
 
     def imported(self, rows: list[Row]) -> Imported:
-        """Return the rows with all sentences."""
+        """Return the rows with all messages."""
         return Imported(
             rows=rows, **{kind: [self._told_of(*item) for item in told.items()] for kind, told in self._told.items()}
         )
 
     def _told_of(self, sentence: str, places: list[str]) -> str:
-        """Return a sentence with its vehicles, unless it applies to all of them."""
+        """Return a message with its vehicles, unless it applies to all of them."""
         named = [place for place in places if place]
         if not named or (len(self._vehicles) > 1 and len(named) == len(self._vehicles)) or len(self._vehicles) == 1:
             return sentence

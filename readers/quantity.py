@@ -56,7 +56,7 @@ class Quantity:
     whole : bool
         Whether it is an integer.
     above_0 : float
-        Smallest value above 0; a smaller one is in another unit.
+        Smallest value above 0. A smaller one is in another unit.
     """
 
     name: str

@@ -146,7 +146,7 @@ def run(chosen: argparse.Namespace) -> bool:
 
 
 def read_log(path: Path, columns: ColumnMap | None = None, longest_gap: float | None = None) -> Recording:
-    """Return a log with the speeds of wheels; its messages tell what was guessed, converted and left out."""
+    """Return a log with the speeds of wheels; its messages name guessed, converted and omitted columns."""
     try:
         log = table_from(path, UNITS_OF_LOG, columns)
         return _checked(path, log, longest_gap)

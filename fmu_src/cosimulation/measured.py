@@ -18,7 +18,7 @@ from readers.units import factor
 def table_from(
     path: str | Path, variables: Mapping[str, str] | None = None, columns: ColumnMap | None = None
 ) -> Recording:
-    """Return the log of a file; its messages tell what was guessed, converted and left out."""
+    """Return the log of a file; its messages name guessed, converted and omitted columns."""
     log = read_log(path, COMMON if variables is None else variables, columns, others=variables is None)
     return Recording(log.units, np.column_stack(list(log.numbers.values())), log.messages)
 

@@ -66,7 +66,7 @@ def braking_arcs(
 ) -> Arcs:
     """Return the braking curve through a foot, to rest and to all higher speeds.
 
-    Takes place, speed [m] (...), brake [m/s2], gradients [m] (..., m).
+    Takes place [m] (...), speed [m/s] (...), brake [m/s2], gradients [m] (..., m).
     """
     of_type("brake", brake, Steps, "Give Steps(boundaries, values).")
     edges, slopes = _slopes_of(gradients)

@@ -77,7 +77,7 @@ class Gradients:
     def lowest_under(self, length: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
         """Return the lowest gradient under a train over the place of its front, SUBSET-026, 3.13.4.2.
 
-        Takes length [m] (...); returns places, permille [m] (..., m).
+        Takes length [m] (...); returns places [m] (..., m), gradients [permille] (..., m + 1).
         """
         lengths, edges = at_least("length", length, 0.0, "m")[..., None], self.starts[1:]
         entering = np.broadcast_to(edges, (*lengths.shape[:-1], edges.size))

@@ -36,7 +36,7 @@ EQUIPMENT = (
 HALF_SPEEDS, SAMPLES, LEAST_FRICTION = np.geomspace(1.0, 1000.0, 601), 201, 0.001
 #: Relative deviation from a table below which its friction is constant.
 NEARLY_CONSTANT = 1e-3
-#: Relative deviation from which a table is told to be unusual.
+#: Relative deviation from which a message calls a table unusual.
 FAR = 0.05
 
 
@@ -67,7 +67,7 @@ def friction_of_table(fields: Fields, notes: Notes, at_rims: bool) -> Row:
 def fitted(speeds: np.ndarray, frictions: np.ndarray) -> tuple[float, float, float]:
     """Return friction at a high speed, V2 [km/h] and the largest relative deviation of the fit to a table.
 
-    Takes speeds, frictions [km/h] (rows,).
+    Takes speeds [km/h], frictions [1], both (rows,).
     """
     at = np.linspace(0.0, speeds[-1], SAMPLES)
     wanted = np.interp(at, speeds, frictions)

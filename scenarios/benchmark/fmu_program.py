@@ -106,7 +106,7 @@ def _mapped(read: Mapping[str, Any], name: str, place: str) -> dict[str, Mapped]
 
 
 def program_of_fmu(path: Path, map_path: Path) -> Program:
-    """Return an FMU as a program. It is loaded at the first question that the map serves."""
+    """Return an FMU as a program. It is loaded for the first question in the map."""
     if not path.is_file():
         raise BadInputError(f"--fmu must be an FMU; got {path}, which does not exist. Check the path.")
     try:

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
+
+from brake_controller.distributors import DISTRIBUTORS
 from products.train.consist import Consist, locomotive, wagon
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.train.coupler import Coupler, Curve
 
 MASS = 80e3
+#: Kinds of distributors of the project.
+KINDS = ("uic", "aar", "ecp", "ep_uic", "twin_pipe", "ep_direct", "piped")
+
+
+def without_added_kinds(monkeypatch: pytest.MonkeyPatch, *others: str) -> None:
+    """Leave the distributors of the project and these, so that messages list the same kinds wherever one was added."""
+    for kind in set(DISTRIBUTORS) - {*KINDS, *others}:
+        monkeypatch.delitem(DISTRIBUTORS, kind)
 
 
 def spring(stiffness: float, unloading: float = 1.0, sticking: float | None = None) -> Coupler:

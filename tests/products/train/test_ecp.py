@@ -17,6 +17,7 @@ from products.train.consist_writer import write_consist
 from products.train.numbers import Settings
 from products.train.pipe import EndConditions, Pipe
 from products.train.train import Train
+from tests.products.train.chains import without_added_kinds
 
 #: Boyle with 2500, 3500 and 1000 cubic inches at 5 bar: full service, and emergency [Pa].
 FULL, EMERGENCY = 500e3 * 2500 / 3500, 500e3 * 6000 / 7000
@@ -122,7 +123,8 @@ def test_it_fills_and_releases_in_the_times_of_a_row(fill: float, release: float
     assert list(again.values().values()) == pytest.approx(list(own.values().values()), rel=1e-6)
 
 
-def test_a_consist_states_it_and_is_written_again(tmp_path: Path) -> None:
+def test_a_consist_states_it_and_is_written_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    without_added_kinds(monkeypatch)
     rows = [{"kind": "locomotive"}, {"kind": "wagon", "distributor": "ecp", "dead_time": 0.5}]
     consist = consist_of(rows)
     write_consist(consist, tmp_path / "again.toml")
