@@ -1,8 +1,8 @@
 """Run everything that the pages show, each page from top to bottom, and compare the output with the page.
 
 Python code is run, or written to a file if its first line names one, as C and TOML are. Changes are applied and
-commands called, a few of them in a short form (SHORT). The folder is a copy of the checkout with the FMUs that `make
-demo` builds. Blocks that need other programs are not run (UNTESTED).
+commands called, a few of them in a short form (SHORT). The folder is a copy of the checkout with those FMUs of `make
+demo` that the page names. Blocks that need other programs are not run (UNTESTED).
 """
 
 from __future__ import annotations
@@ -41,6 +41,8 @@ PROGRAMS = {"python", "make", "cc", "c++", "./host"}
 EXTRAS = {"docs/hosts/ecos-and-libcosim.md": ("masters", ("ecospy", "libcosimpy"))}
 #: Commands that install, or run all tests, and their replacements in every run.
 DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test")}
+#: FMUs that `make demo` builds, and their files.
+OF_DEMO = {"bogie": "BogieDynamics.fmu", "brake": "BrakeCylinder.fmu", "braked-vehicle": "BrakedVehicle.fmu"}
 #: Pages whose kernels take half a minute and more to compile.
 SLOW = {"README.md", "CONTRIBUTING.md", "docs/controller.md", "docs/hosts.md", "docs/public.md", "docs/training.md"}
 #: Commands that take more than some seconds, and their replacements; `make test-long` runs the originals.
@@ -100,8 +102,10 @@ def name(page: Path) -> str:
 
 
 @pytest.fixture
-def checkout(tmp_path: Path, fmus: dict, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return a copy of a newcomer's checkout after `make demo`, as the current folder."""
+def checkout(request: pytest.FixtureRequest, tmp_path: Path, fmus: dict, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a copy of a newcomer's checkout as the current folder, with those FMUs of `make demo` that a page names."""
+    given = request.node.callspec.params if hasattr(request.node, "callspec") else {}
+    page = (ROOT / str(given.get("page") or given.get("path") or WRITING)).read_text(encoding="utf-8")
     for package in (*HOUSE, "evidence", "docs", "tests"):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
     for file in (
@@ -115,9 +119,9 @@ def checkout(tmp_path: Path, fmus: dict, monkeypatch: pytest.MonkeyPatch) -> Pat
     ):
         shutil.copyfile(ROOT / file, tmp_path / file)
     (tmp_path / "build" / "native").mkdir(parents=True)
-    for fmu in ("bogie", "brake", "braked-vehicle"):
-        path = fmus[fmu, "native"]
-        shutil.copyfile(path, tmp_path / "build" / "native" / path.name)
+    for fmu, file in OF_DEMO.items():
+        if file in page:
+            shutil.copyfile(fmus[fmu, "native"], tmp_path / "build" / "native" / file)
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
     return tmp_path
