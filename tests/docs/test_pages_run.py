@@ -103,7 +103,7 @@ def name(page: Path) -> str:
 
 @pytest.fixture
 def checkout(request: pytest.FixtureRequest, tmp_path: Path, fmus: dict, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return a copy of a newcomer's checkout as the current folder, with those FMUs of `make demo` that a page names."""
+    """Return a copy of a newcomer's checkout as the current folder, with the FMUs of `make demo` that a page names."""
     given = request.node.callspec.params if hasattr(request.node, "callspec") else {}
     page = (ROOT / str(given.get("page") or given.get("path") or WRITING)).read_text(encoding="utf-8")
     for package in (*HOUSE, "evidence", "docs", "tests"):
