@@ -92,7 +92,9 @@ def test_python_and_command_brake_a_vehicle_alike(tmp_path: Path, acts_on: str) 
     machine, brake = vehicle_of_file(path)
     [case] = with_own_brake([Case("low", "low")], brake)
     settings = Settings(application_time=brake.application_time)
-    [stop] = Rig(machine, SlideProtection, settings, by_flow=True).runs([case.run(machine)])
+    rig = Rig(machine, SlideProtection, settings, by_flow=True)
+    stop, on_treads = rig.runs([case.run(machine), Case("low", "low").run(machine)])
+    assert (stop.distance == on_treads.distance) == (acts_on == "treads")
     assert bb.protected_stops("protection", bb.read_vehicle(path), ["low"])["distance"] == [stop.distance]
 
 
