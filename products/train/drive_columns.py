@@ -27,7 +27,7 @@ def _force(values: Mapping[str, Any], drive: str) -> dict[str, float]:
 
 
 def electric_of(values: Mapping[str, Any], parameters: DistributorParameters) -> ElectricBrake:
-    """Return the electric command and brake of a row; one: its distributor."""
+    """Return the electric command and brake of a row; parameters: its distributor."""
     found = _force(values, "dynamic")
     fade = 0.0 if "dynamic_table" in values else FADE
     if "dynamic_fade" in values:
