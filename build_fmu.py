@@ -1,26 +1,22 @@
 """Builds FMUs and validates them with FMPy.
 
-  python build_fmu.py                    all FMUs, native for FMI 2.0 and 3.0 and pythonfmu, into build/, with their
-                                         parameter sets (.ssv) and the systems (.ssp) that connect them
-  python build_fmu.py bogie              the bogie only
+  python build_fmu.py                    the list of FMUs
+  python build_fmu.py bogie              the bogie: native for FMI 2.0 and 3.0, and pythonfmu, into build/, with its
+                                         parameter sets (.ssv) and the systems (.ssp) that it is part of
+  python build_fmu.py all                every FMU of the list
   python build_fmu.py ssp                bogie and brake, native for FMI 2.0, and BogieBraking.ssp, which connects them
-  python build_fmu.py braked-vehicle     the braked vehicle, and the systems that it is part of
-  python build_fmu.py --kind native      the native ones for FMI 2.0 only
-  python build_fmu.py --platforms all    native FMUs for Linux (x86-64 and ARM), Windows and macOS, compiled with zig
-  python build_fmu.py --controller mine.py:FixedSlip
-                                         FixedSlip.fmu (pythonfmu): wheel-slide protection by your class FixedSlip
+  python build_fmu.py all --kind native --platforms all
+                                         for FMI 2.0 on Linux (x86-64 and ARM), Windows and macOS, compiled with zig
   python build_fmu.py --controller pi.c --wheelsets 4
-                                         pi4.fmu (native, without Python): by your controller in C, for a coach
+                                         pi4.fmu: your wheel-slide controller in C, for a coach; mine.py:FixedSlip is
+                                         a class in Python
   python build_fmu.py train --consist consist.csv --line line.csv
-                                         TrainDynamics.fmu of a consist on a line; the page "A train" says what such
-                                         files hold. It needs no compiler where a wheel is installed
+                                         a train of a consist on a line; it needs no compiler where a wheel is installed
   python build_fmu.py coupler --coupler draft-gear
-                                         Coupler.fmu, one coupler between two vehicles
   python build_fmu.py sensor --wheelsets 4
-                                         WheelSpeedSensor4.fmu: measured wheel speeds from rotations, for a controller
   python build_fmu.py curves --line line.csv
-                                         BrakingCurves.fmu: supervision by ETCS, with the gradients of a line
-  python build_fmu.py --describe         no FMUs: the table of variables as Markdown
+                                         supervision by ETCS, with the gradients of a line
+  python build_fmu.py bogie --describe   no FMU: the table of its variables as Markdown
 
 Exit status: 0 all FMUs are valid; 1 one is not valid; 2 bad input; 3 one was not built; 130 interrupted with Ctrl-C.
 """
@@ -73,6 +69,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run(chosen: argparse.Namespace) -> int:
     """Build the chosen FMUs; return the exit status. Raises BadInputError."""
+    if chosen.model is None and not (chosen.controller or chosen.describe):
+        return listed(chosen, unset())
+    chosen.model = chosen.model or "all"
     kinds = kinds_of(chosen)
     try:
         if not chosen.describe:
@@ -95,8 +94,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     add = parser.add_argument
     also = "; ".join(f"{own} = {name}" for own, name in ALIASES.items())
-    text = f"{', '.join(NAMES)} (default: all); {also}"
-    add("model", nargs="?", default="all", type=fmu_named, choices=[*NAMES, *ALIASES], metavar="FMU", help=text)
+    text = f"{', '.join(NAMES)} (default: list them); {also}"
+    add("model", nargs="?", type=fmu_named, choices=[*NAMES, *ALIASES], metavar="FMU", help=text)
     add("--kind", default="all", choices=[*KINDS, "all"], help="FMI 2.0, FMI 3.0, pythonfmu or all")
     add("--out", type=Path, default=Path("build"), help="folder of the FMUs (default: build)")
     add("--platforms", choices=["own", "all"], default="own", help="of native FMUs (default: own)")
@@ -113,6 +112,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = f"of the pipe in each vehicle, {least:g} to {most:g} (default: 2)"
     add("--cells", type=quantity("--cells", least=least, most=most), default=2.0, metavar="COUNT", help=text)
     add("--describe", action="store_true", help="print the table of variables instead of building")
+
+
+def unset() -> argparse.Namespace:
+    """Return the options of a command line without any."""
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    return parser.parse_args([])
+
+
+def listed(chosen: argparse.Namespace, defaults: argparse.Namespace) -> int:
+    """Print all FMUs. Raises BadInputError for an option that has an effect on a build alone."""
+    if idle := [name for name, value in vars(defaults).items() if getattr(chosen, name) != value]:
+        raise BadInputError(f"--{idle[0].replace('_', '-')} must be with an FMU; got none. Name one, or all.")
+    for name, fmu in (FMUS | IN_C).items():
+        print(f"{name:<16} {fmu.summary}")
+    print(f"{'ssp':<16} bogie and brake, and the system that connects them\n{'all':<16} all of these")
+    return DONE
 
 
 def kinds_of(chosen: argparse.Namespace) -> list[str]:

@@ -36,6 +36,7 @@ class Fmu:
     its systems, as in `Model`, by the numbers in `places`.
     """
 
+    summary: str
     model: Callable[..., Model]
     picture: str | None = None
     vehicle: Callable[[], Vehicle] | None = None
@@ -45,16 +46,20 @@ class Fmu:
 
 #: FMUs by their names on the command line and in scenarios.
 FMUS: dict[str, Fmu] = {
-    "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png", two_axle_bogie),
-    "vehicle": Fmu(vehicle_dynamics, vehicle=passenger_coach),
-    "coal-wagon": Fmu(coal_wagon_dynamics, vehicle=loaded_coal_wagon),
+    "bogie": Fmu("two-axle bogie under brake and traction torque", bogie_dynamics, "qr30-180kpa.png", two_axle_bogie),
+    "vehicle": Fmu("four-axle coach", vehicle_dynamics, vehicle=passenger_coach),
+    "coal-wagon": Fmu("four-axle coal wagon", coal_wagon_dynamics, vehicle=loaded_coal_wagon),
     "braked-vehicle": Fmu(
-        braked_vehicle, vehicle=passenger_coach, selectors=(*SELECTORS, BRAKE.name), choice=CHOICE_OF_BRAKES
+        "coach with a brake cylinder on each wheelset",
+        braked_vehicle,
+        vehicle=passenger_coach,
+        selectors=(*SELECTORS, BRAKE.name),
+        choice=CHOICE_OF_BRAKES,
     ),
-    "wheelset": Fmu(wheelset_dynamics, "wheelset-hunting.png"),
-    "brake": Fmu(brake_cylinder, "qr30-180kpa.png"),
-    "rail": Fmu(rail_adhesion),
-    "driven-wheelset": Fmu(driven_wheelset_dynamics),
+    "wheelset": Fmu("one wheelset in a frame, in 3D", wheelset_dynamics, "wheelset-hunting.png"),
+    "brake": Fmu("pneumatic brake cylinder of a wheelset", brake_cylinder, "qr30-180kpa.png"),
+    "rail": Fmu("friction of a rail that recovers with sliding energy", rail_adhesion),
+    "driven-wheelset": Fmu("motor, gear and two wheels on elastic shafts", driven_wheelset_dynamics),
 }
 
 
@@ -65,6 +70,7 @@ class FmuInC:
     module: that of the function, in this package; it is imported when the FMU is built.
     """
 
+    summary: str
     module: str
     content: str
     options: tuple[str, ...]
@@ -72,10 +78,17 @@ class FmuInC:
 
 #: FMUs without equations in a `Model`, by their names on the command line.
 IN_C: dict[str, FmuInC] = {
-    "train": FmuInC("train.fmu", "train_of_files_fmu", ("consist", "line", "brake_model", "cells")),
-    "coupler": FmuInC("train.coupler_fmu", "named_coupler_fmu", ("coupler",)),
-    "sensor": FmuInC("protection.sensor_fmu", "sensor_fmu", ("wheelsets",)),
-    "curves": FmuInC("braking_curves.fmu", "curves_on_line_fmu", ("line",)),
+    "train": FmuInC(
+        "train of a consist: brake pipe, distributors, couplers",
+        "train.fmu",
+        "train_of_files_fmu",
+        ("consist", "line", "brake_model", "cells"),
+    ),
+    "coupler": FmuInC("one coupler between two vehicles", "train.coupler_fmu", "named_coupler_fmu", ("coupler",)),
+    "sensor": FmuInC("measured wheel speeds, for a controller", "protection.sensor_fmu", "sensor_fmu", ("wheelsets",)),
+    "curves": FmuInC(
+        "supervision by the braking curves of ETCS", "braking_curves.fmu", "curves_on_line_fmu", ("line",)
+    ),
 }
 
 #: Names that people type for FMUs of the list.

@@ -24,37 +24,22 @@ from readers.command_line import CommandLine
 BELOW = place_of_a_room.removesuffix("fmu_src")
 #: Commands by name: help, and module.
 COMMANDS = {
+    "run": ("run a scenario: table, data, picture", "scenarios.commands.run"),
     "list": ("list all scenarios", "scenarios.commands.listing"),
-    "doctor": ("say what is installed and what is missing, each with what to do", "bogie_braking.commands.doctor"),
-    "completion": ("print a script with which a shell completes this command", "bogie_braking.commands.completion"),
-    "run": ("run one scenario", "scenarios.commands.run"),
+    "consist": ("check a train, or import it from another program", "bogie_braking.commands.consist"),
+    "controllers": ("score wheel-slide controllers on the test rig", "bogie_braking.commands.controllers"),
+    "etcs": ("braking curves of ETCS for a train", "bogie_braking.commands.etcs"),
+    "vehicle": ("check your vehicle from a file, write its FMU", "bogie_braking.commands.vehicle"),
+    "line": ("check and draw a line, or import it", "bogie_braking.commands.line"),
+    "profile": ("contact table of a measured wheel and rail", "bogie_braking.commands.profile"),
+    "build": ("list or build FMUs", "bogie_braking.commands.build"),
+    "live": ("write pages that brake in any browser", "bogie_braking.commands.live"),
+    "sweep": ("run a scenario over a grid of parameters", "scenarios.commands.sweep"),
     "report": ("join all results into one page", "scenarios.commands.report"),
-    "sweep": ("run one scenario over a grid of parameters", "scenarios.commands.sweep"),
-    "pace": ("run an FMU in real time on this machine: longest step, overruns, jitter", "bogie_braking.commands.pace"),
-    "controllers": (
-        "compare wheel-slide controllers, a Python class, C or a library, on the test rig",
-        "bogie_braking.commands.controllers",
-    ),
-    "consist": (
-        "import a train of another program, or check a consist: masses, brakes, stops",
-        "bogie_braking.commands.consist",
-    ),
-    "line": (
-        "check a line and draw it; import points, elements, OSRD, railML, LandXML, ALTRIOS",
-        "bogie_braking.commands.line",
-    ),
-    "profile": (
-        "make a contact table from files of a wheel and a rail, and draw the pair",
-        "bogie_braking.commands.profile",
-    ),
-    "live": ("write pages that brake a coach, a bogie or a train in any browser", "bogie_braking.commands.live"),
-    "vehicle": ("check your own vehicle from a file, write its FMU", "bogie_braking.commands.vehicle"),
-    "etcs": ("braking curves of ETCS for a train, and its own stops that begin there", "bogie_braking.commands.etcs"),
-    "benchmark": (
-        "answer published cases, beside other programs or yours: errors, cost, a page",
-        "scenarios.commands.benchmark",
-    ),
-    "build": ("build FMUs", "bogie_braking.commands.build"),
+    "benchmark": ("published cases, by this and other programs", "scenarios.commands.benchmark"),
+    "pace": ("run an FMU in real time: longest step, overruns", "bogie_braking.commands.pace"),
+    "doctor": ("say what is installed, and what is missing", "bogie_braking.commands.doctor"),
+    "completion": ("print a script for completion in a shell", "bogie_braking.commands.completion"),
 }
 
 
@@ -65,13 +50,16 @@ def module_of(name: str) -> Any:
 
 
 def parser_of(loaded: Collection[str], about: str | None = None) -> argparse.ArgumentParser:
-    """Return the command line."""
+    """Return the command line; about: its description, to which the commands are added; None: each has its own help."""
+    listed = "\n".join(f"  {name:<12} {text}" for name, (text, _) in COMMANDS.items())
+    described: dict[str, Any] = {"description": f"{about.rstrip()}\n{listed}"} if about else {}
     shape = argparse.RawDescriptionHelpFormatter
-    parser = CommandLine(prog="bogie-braking", description=about, formatter_class=shape)
+    parser = CommandLine(prog="bogie-braking", formatter_class=shape, **described)
     parser.add_argument("--version", action="version", version=f"bogie-braking {__version__}")
-    commands = parser.add_subparsers(dest="command", required=True)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", help="one of the above")
     for name, (text, _) in COMMANDS.items():
-        of_command = commands.add_parser(name, help=text)
+        own: dict[str, Any] = {} if about else {"help": text}
+        of_command = commands.add_parser(name, **own)
         if name in loaded:
             module_of(name).add_arguments(of_command)
     return parser

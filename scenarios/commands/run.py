@@ -1,4 +1,13 @@
-"""The command `run`: runs a scenario, saves and shows its results."""
+"""Run a scenario: a table here; table, data and picture in results/NAME/.
+
+bogie-braking run qr30-180kpa                            one of `bogie-braking list`
+bogie-braking run bogie-lateral --html                   also report.html: charts that zoom, the motion in space
+bogie-braking run line-from-file --line mine.csv         a bogie along your line
+bogie-braking run qr30-180kpa --torque-csv measured.csv  with a measured torque
+bogie-braking run qr30-180kpa --step 0.1ms               with another macro step
+bogie-braking run levels --json | jq .rows               the summary for a program
+for name in $(bogie-braking list --quiet); do bogie-braking run $name; done
+"""
 
 from __future__ import annotations
 
@@ -9,7 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from bogie_braking.common_options import add_out, add_speech, add_track, bars, look_for_plotly
+from bogie_braking.common_options import add_out, add_speech, add_track, bars, describe, look_for_plotly
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
 from bogie_braking.reporting.progress import ticking
 from bogie_braking.reporting.report import Report, save, short_table, stopwatch, table
@@ -32,6 +41,7 @@ serves both sides; two are left and right: run contact-geometry --wheel new.csv 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of `run`."""
+    describe(parser, __doc__)
     parser.add_argument("name", help="a name from 'list'")
     add_out(parser)
     parser.add_argument("--kind", choices=["native", "python"], help="which FMUs (default: native)")

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from bogie_braking.__main__ import main
-from bogie_braking.commands import doctor
+from bogie_braking.commands import COMMANDS, doctor
 from bogie_braking.exit_status import FAILED, NOBODY_READS
 from bogie_braking.reporting import progress, report
 from bogie_braking.reporting.saved import wall_seconds
@@ -26,6 +26,7 @@ from fmu_src import compile as compiling
 from fmu_src import progress as fmu_progress
 from fmu_src.progress import counting, without_bars
 from products import prebuilt
+from products.registry import FMUS, IN_C
 from products.sources import HOUSE, digest
 from scenarios.catalogue import SCENARIOS
 from scenarios.commands import run as run_command
@@ -69,7 +70,7 @@ def test_a_refusal_is_said_also_where_quiet_is_asked_for(capsys: pytest.CaptureF
         (["build", "bogey"], "got bogey. Did you mean bogie?"),
         (["build", "coahc"], "got coahc. Did you mean coach?"),
         (["controllers", "compare", "--vehicle", "coahc"], "got coahc. Did you mean coach?"),
-        (["build", "--help"], "  bogie-braking build --kind native "),
+        (["build", "--help"], "  bogie-braking build all --kind native "),
         (["run", "line-from-file", "--line", "nothing.csv"], "The file nothing.csv does not exist. Check the path."),
     ],
 )
@@ -82,6 +83,30 @@ def test_what_is_said_is_right_without_the_sources(
     shown = "".join(capsys.readouterr())
     assert sentence in shown
     assert not re.search(r"build_fmu\.py|docs/|tests/|\bmake ", shown)
+
+
+def test_the_first_words_say_what_to_do_and_help_fits_a_screen(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 2
+    said = capsys.readouterr().err
+    assert len(said.splitlines()) == 3
+    assert "bogie-braking run demo" in said
+    with contextlib.suppress(SystemExit):
+        main(["--help"])
+    shown = capsys.readouterr().out.splitlines()
+    assert len(shown) <= 48
+    assert max(map(len, shown)) <= 90
+    assert {line.split()[0] for line in shown[shown.index("commands:") + 1 :] if line} >= COMMANDS.keys()
+
+
+def test_build_without_a_name_lists_and_builds_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["build"]) == 0
+    assert {line.split()[0] for line in capsys.readouterr().out.splitlines()} == {*FMUS, *IN_C, "ssp", "all"}
+    assert main(["build", "--kind", "native"]) == 2
+    assert capsys.readouterr().err == "--kind must be with an FMU; got none. Name one, or all.\n"
+    assert not list(tmp_path.iterdir())
 
 
 def test_list_for_programs(capsys: pytest.CaptureFixture[str]) -> None:

@@ -135,7 +135,7 @@ def test_a_model_that_other_sources_write_is_never_remembered(
     made: Callable[[], int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Changes of such sources, in a test or in a user's file, are not detected."""
-    monkeypatch.setitem(FMUS, "rail", Fmu(lambda: brake_cylinder(qr30(150))))
+    monkeypatch.setitem(FMUS, "rail", Fmu("", lambda: brake_cylinder(qr30(150))))
     building.kernel_of("rail")
     once = made()
     building.kernel_of("rail")
@@ -166,7 +166,7 @@ def test_a_model_is_written_once_however_many_threads_ask(monkeypatch: pytest.Mo
         writing.release()
         return brake_cylinder()
 
-    monkeypatch.setitem(FMUS, "slow", Fmu(slow))
+    monkeypatch.setitem(FMUS, "slow", Fmu("", slow))
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(model_of, ["slow"] * 4))
     assert len(begun) == 1
