@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,32 +19,47 @@ LEFT_CURVE, STRAIGHT, RIGHT_CURVE = LEADING, BOGIE, TRAILING
 #: Largest number of distance marks on a plan, and largest distance between drawn places [m].
 MOST_MARKS, PITCH = 8, 5.0
 #: Least range of the axes of curvature [1/km], cant [mm], and gradient and height [per mille, m].
-LEAST = (0.01, 1.0, 0.1)
+LEAST = {"curvature": 0.01, "cant": 1.0, "deficiency": 1.0, "gradient": 0.1}
+#: Columns of a line with irregular heights of its rails.
+IRREGULAR = {"left_vertical", "right_vertical"}
 #: Smallest curvature that is a curve in a title [1/m].
 CURVED = 1e-6
 
 
-def draw_line(axes: Sequence[Axes], line: Line) -> None:
-    """Draw the plan, curvature, cant with the rails' heights if known, and gradient with the height, on four axes."""
-    plan, curvature, cant, gradient = axes
+def draw_line(axes: Mapping[str, Axes], line: Line) -> None:
+    """Draw the charts of a line, on an axis for each name of `charts_of`."""
     line = with_places_between(line)
-    draw_plan(plan, line)
-    distance = line.rows["distance"]
-    curvature.plot(distance, 1e3 * line.rows["curvature"], color=BOGIE)
-    curvature.set_title("curvature, to the left [1/km]")
-    cant.plot(distance, 1e3 * line.rows["cant"], color=BOGIE, label="cant")
-    if "left_vertical" in line.rows and "right_vertical" in line.rows:
-        cross_level = line.rows["right_vertical"] - line.rows["left_vertical"]
-        cant.plot(distance, 1e3 * cross_level, color=TRAILING, linewidth=0.6, label="irregular cross level")
-        legend_above(cant)
-    cant.set_title("right rail higher by [mm]")
-    gradient.plot(distance, 1e3 * line.rows["gradient"], color=BOGIE, label="gradient [‰]")
-    gradient.plot(distance, height(line), color=LEADING, linestyle="--", label="height [m]")
-    legend_above(gradient)
-    gradient.set_title("gradient [‰] and height above the start [m]")
-    for axis, least in zip(axes[1:], LEAST, strict=True):
-        widen(axis, least)
-        axis.set_xlim(distance[0], distance[-1])
+    distance, rows = line.rows["distance"], line.rows
+    if "plan" in axes:
+        draw_plan(axes["plan"], line)
+    if curvature := axes.get("curvature"):
+        curvature.plot(distance, 1e3 * rows["curvature"], color=BOGIE)
+        curvature.set_title("curvature, to the left [1/km]")
+    if cant := axes.get("cant"):
+        cant.plot(distance, 1e3 * rows["cant"], color=BOGIE, label="cant")
+        if rows.keys() >= IRREGULAR:
+            cross_level = rows["right_vertical"] - rows["left_vertical"]
+            cant.plot(distance, 1e3 * cross_level, color=TRAILING, linewidth=0.6, label="irregular cross level")
+            legend_above(cant)
+        cant.set_title("right rail higher by [mm]")
+    if gradient := axes.get("gradient"):
+        gradient.plot(distance, 1e3 * rows["gradient"], color=BOGIE, label="gradient [‰]")
+        gradient.plot(distance, height(line), color=LEADING, linestyle="--", label="height [m]")
+        legend_above(gradient)
+        gradient.set_title("gradient [‰] and height above the start [m]")
+    for name in LEAST.keys() & axes.keys():
+        widen(axes[name], LEAST[name])
+        axes[name].set_xlim(distance[0], distance[-1])
+
+
+def charts_of(line: Line, others: Sequence[str] = ()) -> list[str]:
+    """Return the charts that show more than a zero, and others; of a straight and level line at least the gradient."""
+    curved, canted, steep = (bool(np.any(line.rows[name])) for name in ("curvature", "cant", "gradient"))
+    charts = ["plan", "curvature"] if curved else []
+    charts += ["cant"] if canted or line.rows.keys() >= IRREGULAR else []
+    charts += ["deficiency"] if curved or canted else []
+    charts += ["gradient"] if steep else []
+    return [*charts, *others] or ["gradient"]
 
 
 def with_places_between(line: Line) -> Line:
@@ -99,25 +114,27 @@ def marks(line: Line) -> np.ndarray:
 
 
 def figure_of_check(line: Line, check: LineCheck, speed: float, friction: float | None = None) -> Figure:
-    """Return plan, curvature, cant, cant deficiency at a speed [m/s], gradient with height, and friction if known.
+    """Return plan, curvature, cant, cant deficiency at a speed [m/s], gradient with height, friction: those not zero.
 
     friction: that of the rail, which the line's factors multiply [1]; None: unknown.
     """
-    known = check.adhesion is not None
-    ratios = (2.0, *(1.0,) * (4 + known))
-    figure, axes = plt.subplots(5 + known, 1, figsize=(9.0, 12.0 + 2.0 * known), height_ratios=ratios)
-    plan, curvature, cant, deficiency, gradient = axes[:5]
-    draw_line([plan, curvature, cant, gradient], line)
-    dense = with_places_between(line).rows
-    lacking = 1e3 * deficiency_of(dense["curvature"], dense["cant"], speed)
-    deficiency.plot(dense["distance"], lacking, color=LEADING)
-    deficiency.axhline(0.0, color=BOGIE, linewidth=0.6)
-    deficiency.set_title(f"cant deficiency at {3.6 * speed:.4g} km/h, outwards [mm]")
-    widen(deficiency, LEAST[1])
-    deficiency.set_xlim(dense["distance"][0], dense["distance"][-1])
+    charts = charts_of(line, ["friction"] if check.adhesion else [])
+    ratios = [2.0 if name == "plan" else 1.0 for name in charts]
+    figure, grid = plt.subplots(
+        len(charts), 1, figsize=(9.0, 1.0 + 2.0 * sum(ratios)), height_ratios=ratios, squeeze=False
+    )
+    axes = dict(zip(charts, grid[:, 0], strict=True))
+    draw_line(axes, line)
+    if deficiency := axes.get("deficiency"):
+        dense = with_places_between(line).rows
+        lacking = 1e3 * deficiency_of(dense["curvature"], dense["cant"], speed)
+        deficiency.plot(dense["distance"], lacking, color=LEADING)
+        deficiency.axhline(0.0, color=BOGIE, linewidth=0.6)
+        deficiency.set_title(f"cant deficiency at {3.6 * speed:.4g} km/h, outwards [mm]")
+        widen(deficiency, LEAST["deficiency"])
     if check.adhesion is not None:
-        draw_friction(axes[-1], line, check.adhesion, friction or 1.0)
-    axes[-1].set_xlabel("distance along the line [m]")
+        draw_friction(axes["friction"], line, check.adhesion, friction or 1.0)
+    axes[charts[-1]].set_xlabel("distance along the line [m]")
     if abs(check.tightest.value) < CURVED:
         if check.adhesion is not None and check.gradient.value == 0.0:
             what = "factor on friction" if check.adhesion.below is None else "friction"

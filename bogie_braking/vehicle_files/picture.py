@@ -18,12 +18,13 @@ BODY = 2.6
 
 
 def picture(check: VehicleCheck) -> Figure:
-    """Return the picture of a check."""
-    figure = plt.figure(figsize=(10.0, 7.6))
-    grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 1.25))
+    """Return the picture of a check: the side view, and below it charts of what was computed."""
+    charts = [draw for draw, known in ((stops, check.distances), (modes, check.modes)) if known is not None]
+    figure = plt.figure(figsize=(10.0, 7.6 if charts else 3.6))
+    grid = figure.add_gridspec(1 + bool(charts), max(len(charts), 1), height_ratios=(1.0, 1.25)[: 1 + bool(charts)])
     side_view(figure.add_subplot(grid[0, :]), check)
-    stops(figure.add_subplot(grid[1, 0]), check)
-    modes(figure.add_subplot(grid[1, 1]), check)
+    for column, draw in enumerate(charts):
+        draw(figure.add_subplot(grid[1, column]), check)
     return titled(figure, message(check))
 
 
@@ -75,9 +76,7 @@ def side_view(axis: Axes, check: VehicleCheck) -> None:
 def stops(axis: Axes, check: VehicleCheck) -> None:
     """Draw stopping distances over the speed, a line for each rail."""
     axis.set(title="stopping distance [m], full brake, no protection", xlabel="speed [km/h]")
-    if check.distances is None:
-        empty(axis, "The file has no [brake].")
-        return
+    assert check.distances is not None
     for rail, row, colour, dash in zip(RAILS, check.distances.T, FOUR, LINES, strict=True):
         axis.plot(SPEEDS, row, dash, color=colour, marker="o", label=rail)
     axis.set_ylim(bottom=0.0)
@@ -87,18 +86,10 @@ def stops(axis: Axes, check: VehicleCheck) -> None:
 def modes(axis: Axes, check: VehicleCheck) -> None:
     """Draw the damping of the modes over their frequency."""
     axis.set(title="modes at 10 m/s: share of critical damping", xlabel="frequency [Hz]")
-    if check.modes is None:
-        empty(axis, "Modes were not computed.")
-        return
+    assert check.modes is not None
     shown = [mode for mode in check.modes if mode.damping_ratio < OVERDAMPED]
     axis.stem([one.frequency for one in shown], [one.damping_ratio for one in shown], linefmt=LEADING, basefmt=" ")
     axis.set_xscale("log")
     axis.set_xticks((0.5, 1, 2, 5, 10, 20, 50), labels=("0.5", "1", "2", "5", "10", "20", "50"))
     axis.set_ylim(bottom=min(0.0, *(one.damping_ratio for one in shown)))
     axis.annotate(hunting_words(check), (0.97, 0.95), xycoords="axes fraction", ha="right", va="top")
-
-
-def empty(axis: Axes, words: str) -> None:
-    """Replace a chart without data by a sentence."""
-    axis.set_axis_off()
-    axis.annotate(words, (0.5, 0.5), xycoords="axes fraction", ha="center")

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from bogie_braking.reporting.line_picture import draw_line, height
+from bogie_braking.reporting.line_picture import charts_of, draw_line, height
 from bogie_braking.reporting.motion import Motion, motion_columns
 from bogie_braking.reporting.plots import BOGIE as GREY
 from bogie_braking.reporting.plots import LEADING, TRAILING, plt, single, titled, write_at
@@ -208,9 +208,10 @@ def draw(series: Recording) -> Figure:
 
 def draw_track(line: Line) -> Figure:
     """Draw the line."""
-    figure, axes = plt.subplots(4, 1, figsize=(9.0, 10.0))
-    draw_line(list(axes), line)
-    axes[-1].set_xlabel("distance along the line [m]")
+    charts = [name for name in charts_of(line) if name != "deficiency"]
+    figure, axes = plt.subplots(len(charts), 1, figsize=(9.0, 2.5 * len(charts)), squeeze=False)
+    draw_line(dict(zip(charts, axes[:, 0], strict=True)), line)
+    axes[-1, 0].set_xlabel("distance along the line [m]")
     bend, climbed = float(np.abs(line.rows["curvature"]).max()), float(np.ptp(height(line)))
     words = f"tightest radius is {1.0 / bend:.0f} m" if bend > 1e-6 else "line is straight"
     return titled(figure, f"The {words}, the heights differ by {climbed:.1f} m")

@@ -12,7 +12,7 @@ import pytest
 
 import bogie_braking as bb
 from bogie_braking.__main__ import main
-from bogie_braking.reporting.line_picture import draw_line
+from bogie_braking.reporting.line_picture import charts_of, draw_line
 from bogie_braking.reporting.plots import plt
 from evidence.numerics import levels_in_curves
 from rbd_model.track.line import Line, arc, clothoid, line_of, straight
@@ -86,14 +86,22 @@ def test_picture_of_a_line_closes_a_circle_and_climbs_by_its_gradient(irregular:
     if irregular:
         rails = {f"{side}_vertical": np.zeros_like(line.rows["distance"]) for side in ("left", "right")}
         line = Line(line.rows | rails)
-    figure, axes = plt.subplots(4)
-    draw_line(list(axes), line)
+    names = charts_of(line)
+    assert names == ["plan", "curvature", "cant", "deficiency", "gradient"]
+    figure, axes = plt.subplots(len(names))
+    draw_line(dict(zip(names, axes, strict=True)), line)
     ahead, aside = axes[0].lines[0].get_data()
     assert np.hypot(ahead[-1] - ahead[0], aside[-1] - aside[0]) < PICTURE_BAND * radius
     assert np.ptp(aside) == pytest.approx(2 * radius, rel=PICTURE_BAND)
-    assert axes[3].lines[1].get_ydata()[-1] == pytest.approx(4.0, rel=PICTURE_BAND)
+    assert axes[4].lines[1].get_ydata()[-1] == pytest.approx(4.0, rel=PICTURE_BAND)
     assert len(axes[2].lines) == 1 + irregular
     plt.close(figure)
+
+
+def test_a_picture_has_no_chart_of_zeros() -> None:
+    assert charts_of(line_of([straight(100.0, gradient=0.01)])) == ["gradient"]
+    assert charts_of(line_of([straight(100.0)]), ["friction"]) == ["friction"]
+    assert charts_of(line_of([straight(100.0)])) == ["gradient"]
 
 
 def test_load_that_a_twist_moves_is_that_of_statics() -> None:
