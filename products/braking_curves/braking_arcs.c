@@ -178,13 +178,16 @@ double limit_speed(const supervision_limit *self, double place, double most) {
     limit_narrow(self, place, without_error(self, self->target - self->pulled / 2.0), &low, &high);
     /* Between both the place is a parabola of the speed: place(low) - h x - a x^2. */
     const double middle = low + (high - low) / 2.0, fast = with_error(self, middle), slope = error_slope(self, middle);
-    const double reached = limit_reached(self, middle), rate = curve_arc(self->curve, reached * reached)->rate;
-    const double left = limit_place(self, low) - place;
-    if (!(rate > 0.0) || !(left > 0.0)) return low;
+    const double reached = limit_reached(self, middle), left = limit_place(self, low) - place;
+    const braking_arc *arc = curve_arc(self->curve, reached * reached);
     const double after = fast + self->pulled > self->target ? slope : 0.0;
+    /* Below the target's speed, and below the foot of a curve that the train cannot follow, the curve has one place. */
+    const bool falls = after > 0.0 && reached * reached > arc->square;
+    if (!(left > 0.0) || (falls && !(arc->rate > 0.0))) return low;
+    const double bend = falls ? after / arc->rate : 0.0;
     const double pulling = fast + self->pulled / 2.0 > self->target ? slope : 0.0;
-    const double a = after * after / (2.0 * rate);
-    const double h = limit_reached(self, low) * after / rate + pulling * self->traction + after * self->building + self->lag;
+    const double a = after * bend / 2.0;
+    const double h = limit_reached(self, low) * bend + pulling * self->traction + after * self->building + self->lag;
     const double x = 2.0 * left / (h + sqrt(h * h + 4.0 * a * left));
     return x < high - low ? low + x : high;
 }
