@@ -18,7 +18,7 @@ from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.compile import plain_library
 from fmu_src.identity import identifier, with_data
 from fmu_src.model_description import DISPLAY_UNITS, NOMINAL, UNITS, add_experiment, description_root, number_text
-from fmu_src.native_fmu import binary_for
+from fmu_src.native_fmu import binary_for, csharp_hosts
 from fmu_src.objects import ARRAYS, FACES, OF_BOTH, OF_SLAVES, RUNTIME, able
 from fmu_src.standard_headers import standard_headers
 from readers.usual import LEAST_PRESSURE
@@ -130,7 +130,7 @@ def build_arrays_fmu(fmu: ArraysFmu, path: Path, version: int, binaries: Mapping
     files |= {f"sources/{name}": text for name, text in standard_headers(version).items()}
     if version == 3:
         files["sources/buildDescription.xml"] = build_description(given).encode()
-    files |= fmu.extras
+    files |= csharp_hosts(version) | dict(fmu.extras)
     write_archive(path, with_data(files, fmu.data, fmu.title) if fmu.data else files)
 
 

@@ -55,9 +55,11 @@ SOURCES = {
 #: The placeholder of the version is @N@; a line that begins with @2@ or @3@ is used for that version alone.
 HOSTS = Path(__file__).parent / "hosts"
 HOST_FILES = {
-    2: {"host.c": "host.c", "host.cpp": "host2.cpp", "host.cs": "host2.cs", "host.py": "host.py"},
+    2: {"host.c": "host.c", "host.cpp": "host2.cpp", "host.py": "host.py"},
     3: {"host.c": "host.c", "host.py": "host.py"},
 }
+#: Those in C#, which read names from modelDescription.xml: the same for every FMU of FMI 2.0, also one of arrays.
+CSHARP = {"host.cs": "host2.cs", "FmuBehaviour.cs": "FmuBehaviour.cs"}
 #: The one file to compile; it includes the others.
 ONE_UNIT = "all.c"
 
@@ -141,7 +143,7 @@ def build_description(model: Model) -> str:
 
 
 def hosts(model: Model, guid: str, version: int) -> dict[str, bytes]:
-    """Return programs in C, C++, C# and Python that run the FMU, by their places in the archive."""
+    """Return programs in C, C++, Python and C# that run the FMU, by their places in the archive."""
     listed = [(v, number) for number, v in enumerate(model.variables) if v.kind in ("real", "integer")]
     lists = {}
     for name, causalities in (("SETTABLE", ("parameter", "input")), ("OUTPUT", ("output",))):
@@ -157,7 +159,13 @@ def hosts(model: Model, guid: str, version: int) -> dict[str, bytes]:
         for place, value in places.items():
             text = text.replace(f"@{place}@", value)
         found[f"documentation/{name}"] = text.encode()
-    return found
+    return found | csharp_hosts(version)
+
+
+def csharp_hosts(version: int) -> dict[str, bytes]:
+    """Return the programs in C# that run any FMU of FMI 2.0; none for FMI 3.0."""
+    files = CSHARP if version == 2 else {}
+    return {f"documentation/{name}": (HOSTS / template).read_bytes() for name, template in files.items()}
 
 
 def universal(libraries: Mapping[str, bytes]) -> bytes:

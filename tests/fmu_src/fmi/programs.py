@@ -10,6 +10,8 @@ from fmu_src.cosimulation.slave import FmuInstance
 
 #: Number and size of the steps of each program [s].
 STEPS, STEP = 100, 0.01
+#: Programs of Mono, and their packages of Debian.
+MONO = {"mcs": "mono-mcs", "mono": "mono-runtime"}
 
 
 def call(command: Sequence[str | Path], folder: Path, *assignments: str) -> subprocess.CompletedProcess[str]:

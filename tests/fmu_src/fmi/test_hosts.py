@@ -14,11 +14,13 @@ import pytest
 
 from fmu_src import compile as compiling
 from fmu_src.native_fmu import HOST_FILES
-from tests.fmu_src.fmi.programs import call, found_here, shown
+from products.building import write_in_c
+from products.train.consist import block_train
+from products.train.fmu import train_fmu
+from tests.fmu_src.fmi.programs import MONO, call, found_here, shown
 from tests.needed import needed
 
 GIVEN = {"pressure_demand": 180e3, "cylinder_model": 2}
-MONO = {"mcs": "mono-mcs", "mono": "mono-runtime"}
 OUTPUTS = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
 
 
@@ -59,10 +61,23 @@ def test_cpp(documentation: Path, expected: dict[str, float]) -> None:
 def test_csharp(documentation: Path, expected: dict[str, float]) -> None:
     compiler, mono = (needed(name, packages=package) for name, package in MONO.items())
     subprocess.run([compiler, "-warnaserror", "host.cs"], cwd=documentation, check=True)
-    [library] = (documentation.parent / "binaries").rglob("BrakeCylinder.*")
-    shutil.copyfile(library, documentation / f"lib{library.name}")
-    assert shown([mono, "host.exe"], documentation, GIVEN) == expected
-    assert refusal([mono, "host.exe"], documentation) == "presure=1 was refused with status 3.\n"
+    command: list[str | Path] = [mono, "host.exe", ".."]
+    assert shown(command, documentation, GIVEN) == expected
+    unknown = "A name must be that of a number of BrakeCylinder; got presure. See modelDescription.xml.\n"
+    assert refusal(command, documentation) == unknown
+
+
+def test_csharp_runs_a_train(tmp_path: Path) -> None:
+    """The consist is in the resources of the FMU, whose variables are elements of arrays."""
+    fmu, start = tmp_path / "train.fmu", {"start_speed": 20.0, "driver_position": 3, "friction[2]": 0.1}
+    write_in_c(train_fmu(block_train(3)), fmu, 2)
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extractall(tmp_path)
+    compiler, mono = (needed(name, packages=package) for name, package in MONO.items())
+    subprocess.run([compiler, "-warnaserror", "documentation/host.cs", "-out:host.exe"], cwd=tmp_path, check=True)
+    found = shown([mono, "host.exe", "."], tmp_path, start)
+    assert found == found_here(fmu, start, list(found))
+    assert 19.0 < found["speed[3]"] < 20.0
 
 
 def test_python(documentation: Path, expected: dict[str, float], fmus: Mapping) -> None:
