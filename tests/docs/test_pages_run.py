@@ -32,7 +32,7 @@ ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 #: Kinds of blocks that are not run: commands (`bash`, `bat`), their output (`log`), other languages and files, and
 #: Python (`py`) that takes too long to build.
-UNTESTED = {"bash", "bat", "csv", "java", "julia", "log", "py", "rust", "xml"}
+UNTESTED = {"bash", "bat", "csharp", "csv", "java", "julia", "log", "py", "rust", "xml"}
 #: All kinds of blocks; those run are Python, commands, changes, output and other files.
 KINDS = UNTESTED | {"python", "sh", "diff", "text", "c", "toml", "pascal"}
 #: Programs that the commands of a block may call.

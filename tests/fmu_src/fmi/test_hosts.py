@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -20,6 +21,7 @@ from products.train.fmu import train_fmu
 from tests.fmu_src.fmi.programs import MONO, call, found_here, shown
 from tests.needed import needed
 
+ROOT = Path(__file__).parents[3]
 GIVEN = {"pressure_demand": 180e3, "cylinder_model": 2}
 OUTPUTS = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
 
@@ -65,6 +67,21 @@ def test_csharp(documentation: Path, expected: dict[str, float]) -> None:
     assert shown(command, documentation, GIVEN) == expected
     unknown = "A name must be that of a number of BrakeCylinder; got presure. See modelDescription.xml.\n"
     assert refusal(command, documentation) == unknown
+
+
+def test_the_csharp_of_the_page_runs(fmus: Mapping, tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "hosts" / "c-and-cpp.md").read_text(encoding="utf-8")
+    [code, speed] = re.findall(r"```csharp\n(.*// ([\d.]+)\n.*)```", page, re.DOTALL)[0]
+    using = "using System; using System.Collections.Generic; static class Page { static void Main() {"
+    (tmp_path / "page.cs").write_text(f"{using}\n{code}\n}} }}")
+    with zipfile.ZipFile(fmus["bogie", "native"]) as archive:
+        archive.extractall(tmp_path / "bogie")
+    compiler, mono = (needed(name, packages=package) for name, package in MONO.items())
+    files = ["page.cs", "bogie/documentation/host.cs"]
+    subprocess.run([compiler, "-warnaserror", "-main:Page", *files], cwd=tmp_path, check=True)
+    done = subprocess.run([mono, "page.exe"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert float(done.stdout) == pytest.approx(float(speed), abs=1e-6)
+    assert "Wheelset 2 locked at 0.2716" in done.stderr
 
 
 def test_csharp_runs_a_train(tmp_path: Path) -> None:
