@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import Field
@@ -33,6 +34,8 @@ LIKE: Mapping[str, tuple[str, Callable[[], BogieParameters]]] = {
 
 
 HEAVIEST = 1e6
+#: Longest name of a connection or body.
+LONGEST_PART = 40
 ENTRIES = by_name(
     Quantity("axles", "1", 2, 6, "number of wheelsets: 2, 4 or 6"),
     Quantity("tare", "kg", LEAST_BODY, HEAVIEST, "mass of the empty vehicle on the rails"),
@@ -98,10 +101,34 @@ def number_of(entry: Quantity, value: Any, name: str) -> float:
     raise ValueError(said + (likely_unit(found, entry.unit, least, entry.most) if bare else ""))
 
 
+def numbers_of(entry: Quantity, value: Any, name: str, count: int = 0) -> tuple[float, ...]:
+    """Return a list of numbers of a file in SI units; count: how many, 0 for any. Raises ValueError."""
+    if not isinstance(value, list) or (count and len(value) != count):
+        words = f"{count} numbers" if count else "numbers"
+        raise ValueError(f"{name} must be a list of {words}; got {shown(value)}. Put them in brackets.")
+    return tuple(number_of(entry, one, name) for one in value)
+
+
+def name_of(name: object, where: str) -> str:
+    """Return the name of a connection or body, with which variables of the FMU begin. Raises ValueError."""
+    if isinstance(name, str) and name.isascii() and name.isidentifier() and len(name) <= LONGEST_PART:
+        return name
+    limit = f"name must have at most {LONGEST_PART} letters, digits and underscores, a letter first"
+    raise ValueError(f"{where}{limit}; got {shown(name)}. Rename it.")
+
+
+def literal(value: Any) -> str:
+    """Return a text, a number or a list as TOML has it."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(literal, value))}]"
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f") if isinstance(value, str) else repr(value)
+
+
 def choice_of(choices: Collection[str], value: Any, name: str, remedy: str) -> str:
     """Return a text of a file that is one of some. Raises ValueError."""
     if not isinstance(value, str) or value not in choices:
-        raise ValueError(f"{name} must be one of {', '.join(choices)}; got {shown(value)}. {remedy}")
+        near = suggestion(value, choices, remedy) if isinstance(value, str) else remedy
+        raise ValueError(f"{name} must be one of {', '.join(choices)}; got {shown(value)}. {near[0].upper()}{near[1:]}")
     return value
 
 

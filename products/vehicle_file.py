@@ -8,9 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
+from products.vehicle_bodies import BodyRow, body_rows
 from products.vehicle_brakes import BRAKE_ENTRIES, SheetBrake, brake_of_sheet, with_entry_names
+from products.vehicle_connections import SHORT, ConnectionRow, connection_rows, connections_of
 from products.vehicle_entries import (
     ENTRIES,
     HEAVIEST,
@@ -23,11 +25,10 @@ from products.vehicle_entries import (
     number_of,
     parameter_entry,
 )
-from products.vehicle_tables import FORCE_TABLES, ForceTable, force_tables, with_force_tables
 from rbd_model.contact.geometry import synthetic_pair
 from rbd_model.contact.pair_file import read_pairs
 from rbd_model.train.vehicle import GRAVITY
-from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.description import Vehicle, parameters_in
 from rbd_model.vehicle.parameters import BogieParameters, VehicleParameters
 from rbd_model.vehicle.ready import four_axle_vehicle, six_axle_vehicle, two_axle_bogie
 from readers.text import FileError, shown
@@ -66,8 +67,11 @@ IN_PLANE = frozenset(
 WITH_EFFECT = {1: AT_POINT, 2: AT_POINT | IN_PLANE}
 #: Longest name of a vehicle.
 LONGEST_NAME = 60
-#: Tables of a file beside the entries at its top.
-TABLES = ("resistance", "brake", *FORCE_TABLES, "parameters")
+#: Tables of a file beside the entries at its top, and tables in rows.
+TABLES = ("resistance", "brake", *SHORT, "parameters")
+ROWS = ("body", "connection")
+#: Meanings of `connections`: those of the built-in vehicle beside those of the file, or those of the file alone.
+BUILT_IN, OF_FILE = "built-in", "file"
 
 
 @dataclass(frozen=True)
@@ -90,8 +94,12 @@ class DataSheet:
         How each value was found that the file does not give, by the parameter's name.
     profile_files : tuple of Path
         Contact tables for level 3, of all wheelsets or of each; empty: the synthetic pair.
-    tables : mapping of str to ForceTable
-        Forces by tables, "bump_stop" and "yaw_damper".
+    bodies : tuple of BodyRow
+        Bodies beside those of the built-in vehicle.
+    connections : tuple of ConnectionRow
+        Connections of the file; they replace built-in ones of the same name.
+    are_all : bool
+        True if it has no built-in connection.
     """
 
     name: str
@@ -102,15 +110,17 @@ class DataSheet:
     brake: SheetBrake | None = None
     assumed: Mapping[str, str] = field(default_factory=dict)
     profile_files: tuple[Path, ...] = ()
-    tables: Mapping[str, ForceTable] = field(default_factory=dict)
+    bodies: tuple[BodyRow, ...] = ()
+    connections: tuple[ConnectionRow, ...] = ()
+    are_all: bool = False
 
     @property
     def fmu(self) -> str | None:
         """Name of the built-in FMU that the values suit; None if its equations have to be compiled.
 
-        Tables of forces are part of the equations.
+        Bodies and connections are part of the equations.
         """
-        if self.tables:
+        if self.own_parts:
             return None
         return BRAKED_FMU if self.brake and self.axles == 4 else FMU_OF_AXLES.get(self.axles)
 
@@ -127,8 +137,18 @@ class DataSheet:
         return {name: one for name, one in self.values.items() if used is None or name in used or name not in own}
 
     @property
-    def vehicle(self) -> Vehicle:
-        """The vehicle as data, with the synthetic profiles on standard gauge."""
+    def own_parts(self) -> str:
+        """The first table of the file that changes the equations of the built-in vehicle; empty if none does."""
+        if self.bodies:
+            return "[[body]]"
+        tables = [row.table for row in self.connections]
+        if tables and tables[0] != "connection":
+            return f"[{tables[0]}]"
+        return "[[connection]]" if tables else "connections" if self.are_all else ""
+
+    @property
+    def built_in(self) -> Vehicle:
+        """The built-in vehicle with the parameters of the file, and the synthetic profiles on standard gauge."""
         if self.axles == 2:
             found = two_axle_bogie(self.parameters)
             pair = synthetic_pair()
@@ -136,20 +156,44 @@ class DataSheet:
             return replace(found, name=self.name, wheelsets=wheelsets)
         assert isinstance(self.parameters, VehicleParameters)
         make = four_axle_vehicle if self.axles == 4 else six_axle_vehicle
-        return with_force_tables(make(self.name, self.parameters, synthetic_pair(), self.like == "coach"), self.tables)
+        return make(self.name, self.parameters, synthetic_pair(), self.like == "coach")
+
+    @property
+    def vehicle(self) -> Vehicle:
+        """The vehicle as data: the built-in one with the bodies and connections of the file.
+
+        Raises
+        ------
+        ValueError
+            If it cannot be built, as a body that nothing carries.
+        """
+        built_in = self.built_in
+        bodies = (*built_in.bodies, *(row.body for row in self.bodies))
+        connections = connections_of(built_in, bodies, self.connections, self.are_all)
+        return replace(built_in, bodies=bodies, connections=connections)
+
+    @property
+    def idle(self) -> set[str]:
+        """Parameters that only built-in connections have which the file replaces."""
+        return parameters_in(self.built_in) - parameters_in(self.vehicle) if self.own_parts else set()
 
     @property
     def mass(self) -> float:
         """Mass on the rails [kg]."""
-        return total_mass(self.parameters, self.axles)
+        return total_mass(self.parameters, self.axles, self.bodies)
 
 
-def total_mass(parameters: BogieParameters, axles: int) -> float:
-    """Return the mass of bodies and wheelsets [kg]."""
-    wheelsets = axles * parameters.wheelset_mass
+def total_mass(parameters: BogieParameters, axles: int, bodies: Sequence[BodyRow] = ()) -> float:
+    """Return the mass of bodies and wheelsets [kg]; bodies: those of the file's own."""
+    others = axles * parameters.wheelset_mass + mass_of(bodies)
     if not isinstance(parameters, VehicleParameters):
-        return parameters.frame_mass + wheelsets
-    return parameters.body_mass + 2 * parameters.frame_mass + wheelsets
+        return parameters.frame_mass + others
+    return parameters.body_mass + 2 * parameters.frame_mass + others
+
+
+def mass_of(bodies: Sequence[BodyRow]) -> float:
+    """Return the mass of a file's own bodies [kg]."""
+    return sum(float(cast(float, row.body.mass)) for row in bodies)
 
 
 def read_vehicle(path: str | Path) -> DataSheet:
@@ -198,13 +242,16 @@ def contact_tables(paths: Sequence[Path], wheelsets: int) -> tuple[Path, ...]:
 
 def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
     """Return the vehicle of a file's content. Raises ValueError, as `read_vehicle` without the file's name."""
-    check_names(read, [*ENTRIES, "name", "like", "profile_file", *TABLES], "")
+    check_names(read, [*ENTRIES, "name", "like", "profile_file", "connections", *TABLES, *ROWS], "")
     tables = {table: _table(read, table) for table in TABLES}
+    rows = {table: _rows(read, table) for table in ROWS}
     title, like, axles = read.get("name", name), _like(read), _axles(read)
     if not isinstance(title, str) or not title.isprintable() or not 0 < len(title) <= LONGEST_NAME:
         limit = f"name must be a printable text of at most {LONGEST_NAME} characters"
         raise ValueError(f"{limit}; got {shown(title)}. Put it in quotes, or shorten it.")
-    forces = force_tables({table: tables[table] for table in FORCE_TABLES}, axles)
+    bodies = body_rows(rows["body"])
+    connections = connection_rows(tables | rows, axles, [row.body.name for row in bodies])
+    are_all = choice_of((BUILT_IN, OF_FILE), read.get("connections", BUILT_IN), "connections", "Choose one.") == OF_FILE
     profiles = _profile_files(read.get("profile_file", []))
     given = {key: number_of(ENTRIES[key], value, key) for key, value in read.items() if key in ENTRIES}
     given.pop("axles", None)
@@ -214,19 +261,33 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
     if axles != 2 and not isinstance(base, VehicleParameters):
         raise ValueError(f"like must be {' or '.join(k for k in LIKE if k != 'bogie')} for {axles} axles; got {like}.")
     own = _own_parameters(tables["parameters"], base)
-    parameters, assumed = _sized(base, like, axles, given, own)
+    parameters, assumed = _sized(base, like, axles, given, own, mass_of(bodies))
     resistance = _resistance(tables["resistance"])
     brake = None
     if tables["brake"]:
         tables["brake"] = with_entry_names(tables["brake"])
         check_names(tables["brake"], [*BRAKE_ENTRIES, "acts_on"], "[brake] ")
-        turning = total_mass(parameters, axles) + axles * parameters.wheelset_pitch_inertia / parameters.wheel_radius**2
+        turning = total_mass(parameters, axles, bodies) + axles * parameters.wheelset_pitch_inertia / parameters.wheel_radius**2
         running = [resistance.get(name, 0.0) for name, _ in RESISTANCE.values()]
         brake = brake_of_sheet(tables["brake"], turning, axles, parameters.wheel_radius, running)
         assumed |= dict(brake.assumed)
     if "length" in given and "pivot_distance" in {**given, **tables["parameters"]}:
         check_length(parameters, given["length"])
-    return DataSheet(title, like, axles, parameters, resistance, brake, assumed, profiles, forces)
+    sheet = DataSheet(title, like, axles, parameters, resistance, brake, assumed, profiles, bodies, connections, are_all)
+    return _without_idle(sheet, given, own)
+
+
+def _without_idle(sheet: DataSheet, given: Mapping[str, float], own: Mapping[str, float]) -> DataSheet:
+    """Return a vehicle without assumed values that have no effect. Raises ValueError if the file states one."""
+    idle = sheet.idle
+    for key in (*given, *own):
+        if PARAMETER_OF.get(key, key) in idle:
+            where = "[parameters] " if key in own else ""
+            raise ValueError(
+                f"{where}{key} must be left out, as only built-in connections use it, which the file replaces; got"
+                f" {(own | given)[key]:g}. Remove it."
+            )
+    return replace(sheet, assumed={key: text for key, text in sheet.assumed.items() if key not in idle})
 
 
 def _profile_files(given: object) -> tuple[Path, ...]:
@@ -253,6 +314,13 @@ def _table(read: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     found = read.get(name, {})
     if not isinstance(found, Mapping):
         raise ValueError(f"{name} must be a table; got {shown(found)}. Write [{name}] and its entries below it.")
+    return found
+
+
+def _rows(read: Mapping[str, Any], name: str) -> Sequence[Mapping[str, Any]]:
+    found = read.get(name, [])
+    if not isinstance(found, list) or not all(isinstance(row, Mapping) for row in found):
+        raise ValueError(f"{name} must be in rows; got {shown(found)}. Write [[{name}]] and its entries below it.")
     return found
 
 
@@ -284,13 +352,21 @@ def _resistance(table: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _sized(
-    base: BogieParameters, like: str, axles: int, given: Mapping[str, float], own: Mapping[str, float]
+    base: BogieParameters,
+    like: str,
+    axles: int,
+    given: Mapping[str, float],
+    own: Mapping[str, float],
+    bodies: float,
 ) -> tuple[BogieParameters, dict[str, str]]:
-    """Return the parameter set, and how the values were found that neither entries nor [parameters] give."""
+    """Return the parameter set, and how the values were found that neither entries nor [parameters] give.
+
+    Takes bodies [kg]: mass of the file's own bodies.
+    """
     entries = _without_twice(_from_entries(base, given), own)
     values = base.values() | entries | dict(own)
     stated = entries | dict(own)
-    derived = _masses(base, values, axles, given, stated)
+    derived = _masses(base, values, axles, given, stated, bodies)
     for key, (value, _) in derived.items():
         if key in own:
             raise ValueError(f"[parameters] {key} must be left out beside tare; got both. State one of them.")
@@ -334,12 +410,13 @@ def _masses(
     axles: int,
     given: Mapping[str, float],
     stated: Mapping[str, float],
+    bodies: float,
 ) -> dict[str, tuple[float, str]]:
     """Return the mass of the body from that on the rails, and the inertia of wheelsets from their rotating mass."""
     found: dict[str, tuple[float, str]] = {}
     body = "body_mass" if "body_mass" in values else "frame_mass"
     if "tare" in given:
-        rest = axles * values["wheelset_mass"] + (2 * values["frame_mass"] if body == "body_mass" else 0.0)
+        rest = axles * values["wheelset_mass"] + (2 * values["frame_mass"] if body == "body_mass" else 0.0) + bodies
         mass = given["tare"] + given.get("load", 0.0) - rest
         if not mass > 0.0:
             hint = likely_unit(mass + rest, "kg", rest, HEAVIEST) or " Give wheelset_mass and bogie_frame_mass too."

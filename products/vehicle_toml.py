@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import fields
 from pathlib import Path
 
-from products.vehicle_entries import ENTRIES, HEIGHTS, LIKE, PARAMETER_OF, RESISTANCE, number_of
-from products.vehicle_file import DataSheet
-from products.vehicle_tables import rows_of_tables
+from products.vehicle_bodies import lines_of_bodies
+from products.vehicle_connections import lines_of_connections
+from products.vehicle_entries import ENTRIES, HEIGHTS, LIKE, PARAMETER_OF, RESISTANCE, literal, number_of
+from products.vehicle_file import OF_FILE, DataSheet
 from rbd_model.vehicle.parameters import VehicleParameters
 from readers.storage import write_whole
 
@@ -37,37 +37,36 @@ def built_in_sheet(name: str) -> DataSheet:
 
 
 def toml_of_sheet(sheet: DataSheet) -> str:
-    """Return the text of a file with every parameter of a vehicle, its brake, its profiles and its tables of forces.
+    """Return the text of a file with every parameter of a vehicle, its brake, its profiles, bodies and connections.
 
     Reading it gives the same vehicle. A parameter is written as an entry of the data sheet where this is exact,
     otherwise in [parameters].
     """
-    values = sheet.parameters.values()
-    rows = [f"name = {_literal(sheet.name)}", f"like = {_literal(sheet.like)}", f"axles = {sheet.axles}"]
+    idle = sheet.idle
+    values = {name: value for name, value in sheet.parameters.values().items() if name not in idle}
+    rows = [f"name = {literal(sheet.name)}", f"like = {literal(sheet.like)}", f"axles = {sheet.axles}"]
     entries = {key: text for key in ENTRIES if key in PARAMETER_OF and (text := _exact(key, values)) is not None}
-    rows += [f"{key} = {_literal(text)}" for key, text in entries.items()]
+    rows += [f"{key} = {literal(text)}" for key, text in entries.items()]
     written = {PARAMETER_OF[key] for key in entries}
-    tables = ", ".join(_literal(str(path)) for path in sheet.profile_files)
+    rows += [f"connections = {literal(OF_FILE)}"] if sheet.are_all else []
+    tables = ", ".join(literal(str(path)) for path in sheet.profile_files)
     rows += [f"profile_file = [{tables}]"] if tables else []
     if sheet.resistance:
         rows += ["", "[resistance]"]
         named = {parameter: (key, entry.unit) for key, (parameter, entry) in RESISTANCE.items()}
         rows += [f'{named[one][0]} = "{value!r} {named[one][1]}"' for one, value in sheet.resistance.items()]
     if sheet.brake is not None:
-        rows += ["", "[brake]", *(f"{key} = {_literal(value)}" for key, value in sheet.brake.entries.items())]
-    rows += rows_of_tables(sheet.tables)
+        rows += ["", "[brake]", *(f"{key} = {literal(value)}" for key, value in sheet.brake.entries.items())]
+    rows += lines_of_connections([row for row in sheet.connections if row.table != "connection"])
     rows += ["", "[parameters]"]
     for item in fields(sheet.parameters):
-        if item.name not in written:
+        if item.name in values and item.name not in written:
             unit = item.metadata["unit"]
             number = repr(values[item.name])
             rows.append(f"{item.name} = {number}" if unit == "1" else f'{item.name} = "{number} {unit}"')
+    rows += lines_of_bodies(sheet.bodies)
+    rows += lines_of_connections([row for row in sheet.connections if row.table == "connection"])
     return "\n".join([*rows, ""])
-
-
-def _literal(value: str | float) -> str:
-    """Return a text or a number as TOML has it."""
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f") if isinstance(value, str) else repr(value)
 
 
 def _exact(key: str, values: dict[str, float]) -> str | None:
@@ -84,7 +83,7 @@ def _exact(key: str, values: dict[str, float]) -> str | None:
 
 
 def write_vehicle(sheet: DataSheet, path: str | Path) -> Path:
-    """Write a vehicle as a TOML file: parameters, brake, resistance, tables of forces, path of its contact table.
+    """Write a vehicle as a TOML file: parameters, brake, resistance, connections, path of its contact table.
 
     Reading it gives the same vehicle. Values that were assumed are then stated.
     """

@@ -110,7 +110,15 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
         "kN/mm": (1_000_000, 1),
         "MN/m": (1_000_000, 1),
     },
-    "torsional stiffness": {"N.m/rad": (1, 1), "Nm/rad": (1, 1), "kN.m/rad": (1000, 1), "kNm/rad": (1000, 1)},
+    "torsional stiffness": {
+        "N.m/rad": (1, 1),
+        "Nm/rad": (1, 1),
+        "kN.m/rad": (1000, 1),
+        "kNm/rad": (1000, 1),
+        "MN.m/rad": (1_000_000, 1),
+        "MNm/rad": (1_000_000, 1),
+    },
+    "torsional damping": {"N.m.s/rad": (1, 1), "Nms/rad": (1, 1), "kN.m.s/rad": (1000, 1), "kNms/rad": (1000, 1)},
     "inertia": {"kg.m2": (1, 1), "kgm2": (1, 1), "kg.m^2": (1, 1), "t.m2": (1000, 1)},
     "torque": {
         "N.m": (1, 1),

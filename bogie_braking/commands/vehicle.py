@@ -107,9 +107,9 @@ def write_parameters(chosen: argparse.Namespace) -> None:
     from rbd_model.contact.pair_file import PAIR_FILE, joined
 
     sheet = read_vehicle(chosen.file)
-    if sheet.tables:
-        table = next(iter(sheet.tables))
-        raise BadInputError(f"[{table}] must be left out for a parameter set; got one. Write its FMU: vehicle fmu.")
+    if sheet.own_parts:
+        own = sheet.own_parts
+        raise BadInputError(f"{own} must be left out for a parameter set; got one. Write its FMU: vehicle fmu.")
     if sheet.fmu is None:
         raise BadInputError(f"axles must be 2 or 4 for a parameter set; got {sheet.axles}. Write its FMU: vehicle fmu.")
     path = chosen.out or chosen.file.with_suffix(".ssv")
@@ -141,22 +141,41 @@ def export(chosen: argparse.Namespace) -> None:
     print(export_vehicle(chosen.name, path))
 
 
+#: Lines of the list of entries for entries that are texts, by their table.
+TEXTS = {
+    "[brake]": ["acts_on            treads or discs"],
+    "[[body]]": ["name               of its variables", "held               motions that it lacks, such as pitch"],
+    "[[connection]]": [
+        "name               of its variables; a built-in connection of this name is replaced",
+        "kind               one of those below",
+        "upper, lower       body, frame, leading_wheelset, front_frame, wheelset_1, a [[body]] and so on",
+        "direction          longitudinal, lateral or vertical; of a torsion: angle, roll, pitch or yaw",
+    ],
+}
+
+
 def entries_text() -> str:
     """Return the list of entries, with units and limits."""
+    from products.vehicle_bodies import INERTIA, NUMBERS
     from products.vehicle_brakes import BRAKE_ENTRIES
+    from products.vehicle_connections import KINDS, PLACE, SHORT
     from products.vehicle_entries import ENTRIES, LIKE, RESISTANCE
-    from products.vehicle_tables import FORCE_TABLES
 
     rows = [
         "name      any text",
+        "connections  built-in (default), or file: without those of the built-in vehicle",
         "profile_file  contact table of 'bogie-braking profile', or a list with one for each wheelset, for level 3",
         *(f"like      {name}: {about}" for name, (about, _) in LIKE.items()),
     ]
     tables = {"": ENTRIES, "[resistance]": {key: entry for key, (_, entry) in RESISTANCE.items()}}
-    tables |= {"[brake]": BRAKE_ENTRIES} | {f"[{table}]": entries for table, entries in FORCE_TABLES.items()}
+    tables |= {"[brake]": BRAKE_ENTRIES}
+    for table, (stated, names) in SHORT.items():
+        tables[f"[{table}]"] = {name: (PLACE | KINDS[stated["kind"]].numbers)[name] for name in names}
+    tables |= {"[[body]]": NUMBERS | {"inertia": INERTIA}, "[[connection]]": PLACE}
+    tables |= {f'[[connection]] kind = "{name}": {kind.text}': kind.numbers for name, kind in KINDS.items()}
     for table, entries in tables.items():
         rows += ["", table] if table else [""]
-        rows += ["acts_on            treads or discs"] if table == "[brake]" else []
+        rows += TEXTS.get(table, [])
         for key, entry in entries.items():
             words = (
                 entry.text if key == "friction_law" else f"{entry.text}, {entry.least:g} to {entry.most:g} {entry.unit}"

@@ -580,6 +580,11 @@ def _sizes(vehicle: Vehicle) -> Iterator[tuple[str, str, Size]]:
             yield one.name, "slider mass", one.slider_mass
 
 
+def parameters_in(vehicle: Vehicle) -> set[str]:
+    """Return the names of the parameters that the sizes of a vehicle name."""
+    return {name for _, _, size in _sizes(vehicle) for name, _ in as_sum(size).terms}
+
+
 def _references(vehicle: Vehicle, ends: list[str]) -> Iterator[tuple[str, str, list[str]]]:
     """Yield each reference to a part: its user, the name that it uses, and the possible names."""
     bodies = [body.name for body in vehicle.bodies]
@@ -616,6 +621,12 @@ def _check_law(vehicle: Vehicle, connection: SuspensionElement) -> None:
         value = getattr(connection, word, known[0])
         if value not in known:
             raise _refused(vehicle, f"{connection.name} has the {word} {value}; give one of {', '.join(known)}")
+    if fault := fault_of(connection):
+        raise _refused(vehicle, f"{connection.name}: {fault.removesuffix('.')}")
+
+
+def fault_of(connection: SuspensionElement) -> str:
+    """Return what is wrong with the points of a connection, or an empty text."""
     fault = ""
     if isinstance(connection, TableSpring):
         fault = spring_fault(connection.travel, connection.force, False)
@@ -624,8 +635,7 @@ def _check_law(vehicle: Vehicle, connection: SuspensionElement) -> None:
         fault = damper_fault(connection.rate, connection.force)
     if isinstance(connection, BumpStop) and not fault and not connection.travel[0] > 0.0:
         fault = f"travel must begin with the clearance, above 0; got {connection.travel[0]:g} m. Take a TableSpring."
-    if fault:
-        raise _refused(vehicle, f"{connection.name}: {fault.removesuffix('.')}")
+    return fault
 
 
 def _check_places(vehicle: Vehicle) -> None:
