@@ -31,7 +31,6 @@ from rbd_model.vehicle.description import (
     wheelset_name,
 )
 from readers.quantity import Quantity, by_name
-from readers.text import shown
 from readers.usual import SOFTEST
 
 
@@ -175,11 +174,19 @@ class ConnectionRow:
     entries: Mapping[str, Any]
 
 
-def connection_rows(read: Mapping[str, Any], axles: int, bodies: Collection[str] = ()) -> tuple[ConnectionRow, ...]:
-    """Return the connections of a file, short tables first. bodies: names of its own. Raises ValueError."""
+def connection_rows(
+    short: Mapping[str, Mapping[str, Any]],
+    read: Sequence[Mapping[str, Any]],
+    axles: int,
+    bodies: Collection[str] = (),
+) -> tuple[ConnectionRow, ...]:
+    """Return the connections of a file: those of its short tables and its rows. bodies: names of its own.
+
+    Raises ValueError.
+    """
     known, rows = ends_of(axles, bodies), []
     for table, (stated, entries) in SHORT.items():
-        if content := read.get(table):
+        if content := short.get(table):
             if axles == 2:
                 raise ValueError(f"[{table}] must be left out with 2 axles, which have no bogies; got one. Remove it.")
             where = f"[{table}] "
@@ -189,13 +196,21 @@ def connection_rows(read: Mapping[str, Any], axles: int, bodies: Collection[str]
                 if key not in content and key != "height":
                     raise ValueError(f"{where}{key} must be given; got none. Add it.")
             rows.append(_row(table, whole, content, known, where))
-    for number, content in enumerate(read.get("connection", []), 1):
+    for number, content in enumerate(read, 1):
         name = content.get("name")
         where = f"[[connection]] {name if isinstance(name, str) and name else number}: "
         if "height" not in content:
             raise ValueError(f"{where}height must be given; got none. Add it.")
         rows.append(_row("connection", content, content, known, where))
     return tuple(rows)
+
+
+def short_entries(table: str) -> Mapping[str, Quantity]:
+    """Return the entries of a short table."""
+    stated, names = SHORT[table]
+    height = replace(PLACE["height"], text="above the rail (default: that of the secondary springs)")
+    known = {**PLACE, **KINDS[stated["kind"]].numbers, "height": height}
+    return {name: known[name] for name in names}
 
 
 def ends_of(axles: int, bodies: Collection[str] = ()) -> list[str]:
@@ -233,7 +248,7 @@ def _row(
     return ConnectionRow(table, name, content["kind"], *ends, is_in_each_bogie, place, law, dict(entries))
 
 
-def _law(kind: Kind, key: str, value: object, where: str) -> object:
+def _law(kind: Kind, key: str, value: object, where: str) -> Any:
     """Return an entry of a kind as the field of its class."""
     if key in kind.words:
         return choice_of(kind.words[key], value, f"{where}{key}", "Choose one.")
@@ -251,8 +266,8 @@ def _ends(content: Mapping[str, Any], known: Sequence[str], where: str) -> tuple
     others = [end for end in (upper, lower) if end not in (*OF_EACH_BOGIE, "body")]
     if each and others:
         raise ValueError(
-            f"{where}upper and lower must be parts of one bogie; got {others[0]} beside {each[0]}, which stands for that"
-            f" of each bogie. Name the single part instead of {each[0]}."
+            f"{where}upper and lower must be parts of one bogie; got {others[0]} beside {each[0]}, which stands for "
+            f"that of each bogie. Name the single part instead of {each[0]}."
         )
     return (upper, lower), bool(each)
 

@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-from products.vehicle_bodies import BodyRow, body_rows
 from products.vehicle_brakes import BRAKE_ENTRIES, SheetBrake, brake_of_sheet, with_entry_names
-from products.vehicle_connections import SHORT, ConnectionRow, connection_rows, connections_of
+from products.vehicle_connections import SHORT
 from products.vehicle_entries import (
     ENTRIES,
     HEAVIEST,
@@ -25,6 +24,7 @@ from products.vehicle_entries import (
     number_of,
     parameter_entry,
 )
+from products.vehicle_parts import ENTRY, ROWS, OwnParts, own_parts
 from rbd_model.contact.geometry import synthetic_pair
 from rbd_model.contact.pair_file import read_pairs
 from rbd_model.train.vehicle import GRAVITY
@@ -67,11 +67,8 @@ IN_PLANE = frozenset(
 WITH_EFFECT = {1: AT_POINT, 2: AT_POINT | IN_PLANE}
 #: Longest name of a vehicle.
 LONGEST_NAME = 60
-#: Tables of a file beside the entries at its top, and tables in rows.
+#: Tables of a file beside the entries at its top.
 TABLES = ("resistance", "brake", *SHORT, "parameters")
-ROWS = ("body", "connection")
-#: Meanings of `connections`: those of the built-in vehicle beside those of the file, or those of the file alone.
-BUILT_IN, OF_FILE = "built-in", "file"
 
 
 @dataclass(frozen=True)
@@ -94,12 +91,8 @@ class DataSheet:
         How each value was found that the file does not give, by the parameter's name.
     profile_files : tuple of Path
         Contact tables for level 3, of all wheelsets or of each; empty: the synthetic pair.
-    bodies : tuple of BodyRow
-        Bodies beside those of the built-in vehicle.
-    connections : tuple of ConnectionRow
-        Connections of the file; they replace built-in ones of the same name.
-    are_all : bool
-        True if it has no built-in connection.
+    parts : OwnParts
+        Bodies and connections of the file.
     """
 
     name: str
@@ -110,9 +103,7 @@ class DataSheet:
     brake: SheetBrake | None = None
     assumed: Mapping[str, str] = field(default_factory=dict)
     profile_files: tuple[Path, ...] = ()
-    bodies: tuple[BodyRow, ...] = ()
-    connections: tuple[ConnectionRow, ...] = ()
-    are_all: bool = False
+    parts: OwnParts = field(default_factory=OwnParts)
 
     @property
     def fmu(self) -> str | None:
@@ -120,7 +111,7 @@ class DataSheet:
 
         Bodies and connections are part of the equations.
         """
-        if self.own_parts:
+        if self.parts.first:
             return None
         return BRAKED_FMU if self.brake and self.axles == 4 else FMU_OF_AXLES.get(self.axles)
 
@@ -137,16 +128,6 @@ class DataSheet:
         return {name: one for name, one in self.values.items() if used is None or name in used or name not in own}
 
     @property
-    def own_parts(self) -> str:
-        """The first table of the file that changes the equations of the built-in vehicle; empty if none does."""
-        if self.bodies:
-            return "[[body]]"
-        tables = [row.table for row in self.connections]
-        if tables and tables[0] != "connection":
-            return f"[{tables[0]}]"
-        return "[[connection]]" if tables else "connections" if self.are_all else ""
-
-    @property
     def built_in(self) -> Vehicle:
         """The built-in vehicle with the parameters of the file, and the synthetic profiles on standard gauge."""
         if self.axles == 2:
@@ -160,40 +141,21 @@ class DataSheet:
 
     @property
     def vehicle(self) -> Vehicle:
-        """The vehicle as data: the built-in one with the bodies and connections of the file.
-
-        Raises
-        ------
-        ValueError
-            If it cannot be built, as a body that nothing carries.
-        """
-        built_in = self.built_in
-        bodies = (*built_in.bodies, *(row.body for row in self.bodies))
-        connections = connections_of(built_in, bodies, self.connections, self.are_all)
-        return replace(built_in, bodies=bodies, connections=connections)
+        """The vehicle as data: the built-in one with the bodies and connections of the file."""
+        return self.parts.added_to(self.built_in)
 
     @property
     def idle(self) -> set[str]:
-        """Parameters that only built-in connections have which the file replaces."""
-        return parameters_in(self.built_in) - parameters_in(self.vehicle) if self.own_parts else set()
+        """Parameters that only those built-in connections use which the file replaces."""
+        return parameters_in(self.built_in) - parameters_in(self.vehicle) if self.parts.first else set()
 
     @property
     def mass(self) -> float:
         """Mass on the rails [kg]."""
-        return total_mass(self.parameters, self.axles, self.bodies)
-
-
-def total_mass(parameters: BogieParameters, axles: int, bodies: Sequence[BodyRow] = ()) -> float:
-    """Return the mass of bodies and wheelsets [kg]; bodies: those of the file's own."""
-    others = axles * parameters.wheelset_mass + mass_of(bodies)
-    if not isinstance(parameters, VehicleParameters):
-        return parameters.frame_mass + others
-    return parameters.body_mass + 2 * parameters.frame_mass + others
-
-
-def mass_of(bodies: Sequence[BodyRow]) -> float:
-    """Return the mass of a file's own bodies [kg]."""
-    return sum(float(cast(float, row.body.mass)) for row in bodies)
+        wheelsets = self.axles * self.parameters.wheelset_mass
+        frames = self.parameters.frame_mass * (1 if self.axles == 2 else 2)
+        body = self.parameters.body_mass if isinstance(self.parameters, VehicleParameters) else 0.0
+        return wheelsets + frames + body + self.parts.mass
 
 
 def read_vehicle(path: str | Path) -> DataSheet:
@@ -242,50 +204,61 @@ def contact_tables(paths: Sequence[Path], wheelsets: int) -> tuple[Path, ...]:
 
 def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
     """Return the vehicle of a file's content. Raises ValueError, as `read_vehicle` without the file's name."""
-    check_names(read, [*ENTRIES, "name", "like", "profile_file", "connections", *TABLES, *ROWS], "")
+    check_names(read, [*ENTRIES, "name", "like", "profile_file", ENTRY, *TABLES, *ROWS], "")
     tables = {table: _table(read, table) for table in TABLES}
-    rows = {table: _rows(read, table) for table in ROWS}
     title, like, axles = read.get("name", name), _like(read), _axles(read)
     if not isinstance(title, str) or not title.isprintable() or not 0 < len(title) <= LONGEST_NAME:
         limit = f"name must be a printable text of at most {LONGEST_NAME} characters"
         raise ValueError(f"{limit}; got {shown(title)}. Put it in quotes, or shorten it.")
-    bodies = body_rows(rows["body"])
-    connections = connection_rows(tables | rows, axles, [row.body.name for row in bodies])
-    are_all = choice_of((BUILT_IN, OF_FILE), read.get("connections", BUILT_IN), "connections", "Choose one.") == OF_FILE
+    parts = own_parts(read, axles)
     profiles = _profile_files(read.get("profile_file", []))
     given = {key: number_of(ENTRIES[key], value, key) for key, value in read.items() if key in ENTRIES}
     given.pop("axles", None)
-    base = replace(LIKE[like][1](), gravity=GRAVITY)  # as in consists; the thesis and the benchmarks have 9.81 m/s2
+    base = _base(like, axles)
+    own = _own_parameters(tables["parameters"], base)
+    parameters, assumed = _sized(base, like, axles, given, own, parts.mass)
+    resistance = _resistance(tables["resistance"])
+    if "length" in given and "pivot_distance" in {**given, **tables["parameters"]}:
+        check_length(parameters, given["length"])
+    sheet = DataSheet(title, like, axles, parameters, resistance, None, assumed, profiles, parts)
+    return _braked(_without_idle(sheet, given, own), tables["brake"])
+
+
+def _base(like: str, axles: int) -> BogieParameters:
+    """Return the parameters of the built-in vehicle, with the gravity of consists.
+
+    The thesis and the benchmarks have 9.81 m/s2.
+    """
+    base = replace(LIKE[like][1](), gravity=GRAVITY)
     if axles == 2 and isinstance(base, VehicleParameters):
         raise ValueError(f"like must be bogie for 2 axles; got {like}. A coach and a wagon have 4 or 6.")
     if axles != 2 and not isinstance(base, VehicleParameters):
         raise ValueError(f"like must be {' or '.join(k for k in LIKE if k != 'bogie')} for {axles} axles; got {like}.")
-    own = _own_parameters(tables["parameters"], base)
-    parameters, assumed = _sized(base, like, axles, given, own, mass_of(bodies))
-    resistance = _resistance(tables["resistance"])
-    brake = None
-    if tables["brake"]:
-        tables["brake"] = with_entry_names(tables["brake"])
-        check_names(tables["brake"], [*BRAKE_ENTRIES, "acts_on"], "[brake] ")
-        turning = total_mass(parameters, axles, bodies) + axles * parameters.wheelset_pitch_inertia / parameters.wheel_radius**2
-        running = [resistance.get(name, 0.0) for name, _ in RESISTANCE.values()]
-        brake = brake_of_sheet(tables["brake"], turning, axles, parameters.wheel_radius, running)
-        assumed |= dict(brake.assumed)
-    if "length" in given and "pivot_distance" in {**given, **tables["parameters"]}:
-        check_length(parameters, given["length"])
-    sheet = DataSheet(title, like, axles, parameters, resistance, brake, assumed, profiles, bodies, connections, are_all)
-    return _without_idle(sheet, given, own)
+    return base
+
+
+def _braked(sheet: DataSheet, table: Mapping[str, Any]) -> DataSheet:
+    """Return a vehicle with the brake of the file, if it has one."""
+    if not table:
+        return sheet
+    table = with_entry_names(table)
+    check_names(table, [*BRAKE_ENTRIES, "acts_on"], "[brake] ")
+    own = sheet.parameters
+    turning = sheet.mass + sheet.axles * own.wheelset_pitch_inertia / own.wheel_radius**2
+    running = [sheet.resistance.get(name, 0.0) for name, _ in RESISTANCE.values()]
+    brake = brake_of_sheet(table, turning, sheet.axles, own.wheel_radius, running)
+    return replace(sheet, brake=brake, assumed={**sheet.assumed, **brake.assumed})
 
 
 def _without_idle(sheet: DataSheet, given: Mapping[str, float], own: Mapping[str, float]) -> DataSheet:
     """Return a vehicle without assumed values that have no effect. Raises ValueError if the file states one."""
     idle = sheet.idle
-    for key in (*given, *own):
+    for key, value in {**given, **own}.items():
         if PARAMETER_OF.get(key, key) in idle:
             where = "[parameters] " if key in own else ""
             raise ValueError(
                 f"{where}{key} must be left out, as only built-in connections use it, which the file replaces; got"
-                f" {(own | given)[key]:g}. Remove it."
+                f" {value:g}. Remove it."
             )
     return replace(sheet, assumed={key: text for key, text in sheet.assumed.items() if key not in idle})
 
@@ -314,13 +287,6 @@ def _table(read: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     found = read.get(name, {})
     if not isinstance(found, Mapping):
         raise ValueError(f"{name} must be a table; got {shown(found)}. Write [{name}] and its entries below it.")
-    return found
-
-
-def _rows(read: Mapping[str, Any], name: str) -> Sequence[Mapping[str, Any]]:
-    found = read.get(name, [])
-    if not isinstance(found, list) or not all(isinstance(row, Mapping) for row in found):
-        raise ValueError(f"{name} must be in rows; got {shown(found)}. Write [[{name}]] and its entries below it.")
     return found
 
 
@@ -416,7 +382,7 @@ def _masses(
     found: dict[str, tuple[float, str]] = {}
     body = "body_mass" if "body_mass" in values else "frame_mass"
     if "tare" in given:
-        rest = axles * values["wheelset_mass"] + (2 * values["frame_mass"] if body == "body_mass" else 0.0) + bodies
+        rest = bodies + axles * values["wheelset_mass"] + (2 * values["frame_mass"] if body == "body_mass" else 0.0)
         mass = given["tare"] + given.get("load", 0.0) - rest
         if not mass > 0.0:
             hint = likely_unit(mass + rest, "kg", rest, HEAVIEST) or " Give wheelset_mass and bogie_frame_mass too."

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import fields
 from pathlib import Path
 
-from products.vehicle_bodies import lines_of_bodies
-from products.vehicle_connections import lines_of_connections
 from products.vehicle_entries import ENTRIES, HEIGHTS, LIKE, PARAMETER_OF, RESISTANCE, literal, number_of
-from products.vehicle_file import OF_FILE, DataSheet
+from products.vehicle_file import DataSheet
+from products.vehicle_parts import ENTRY, OF_FILE
 from rbd_model.vehicle.parameters import VehicleParameters
 from readers.storage import write_whole
 
@@ -48,7 +47,7 @@ def toml_of_sheet(sheet: DataSheet) -> str:
     entries = {key: text for key in ENTRIES if key in PARAMETER_OF and (text := _exact(key, values)) is not None}
     rows += [f"{key} = {literal(text)}" for key, text in entries.items()]
     written = {PARAMETER_OF[key] for key in entries}
-    rows += [f"connections = {literal(OF_FILE)}"] if sheet.are_all else []
+    rows += [f"{ENTRY} = {literal(OF_FILE)}"] if sheet.parts.are_all else []
     tables = ", ".join(literal(str(path)) for path in sheet.profile_files)
     rows += [f"profile_file = [{tables}]"] if tables else []
     if sheet.resistance:
@@ -57,15 +56,13 @@ def toml_of_sheet(sheet: DataSheet) -> str:
         rows += [f'{named[one][0]} = "{value!r} {named[one][1]}"' for one, value in sheet.resistance.items()]
     if sheet.brake is not None:
         rows += ["", "[brake]", *(f"{key} = {literal(value)}" for key, value in sheet.brake.entries.items())]
-    rows += lines_of_connections([row for row in sheet.connections if row.table != "connection"])
     rows += ["", "[parameters]"]
     for item in fields(sheet.parameters):
         if item.name in values and item.name not in written:
             unit = item.metadata["unit"]
             number = repr(values[item.name])
             rows.append(f"{item.name} = {number}" if unit == "1" else f'{item.name} = "{number} {unit}"')
-    rows += lines_of_bodies(sheet.bodies)
-    rows += lines_of_connections([row for row in sheet.connections if row.table == "connection"])
+    rows += sheet.parts.lines()
     return "\n".join([*rows, ""])
 
 

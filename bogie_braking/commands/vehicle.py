@@ -17,12 +17,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from bogie_braking.common_options import describe
 from bogie_braking.exit_status import HOLDS
 from fmu_src.suggestion import suggestion
 from readers.command_line import check_folder, check_out, make_folder_of, whole
+from readers.quantity import Quantity
 from readers.storage import write_whole
 from readers.text import BadInputError, shown
 
@@ -107,8 +109,8 @@ def write_parameters(chosen: argparse.Namespace) -> None:
     from rbd_model.contact.pair_file import PAIR_FILE, joined
 
     sheet = read_vehicle(chosen.file)
-    if sheet.own_parts:
-        own = sheet.own_parts
+    if sheet.parts.first:
+        own = sheet.parts.first
         raise BadInputError(f"{own} must be left out for a parameter set; got one. Write its FMU: vehicle fmu.")
     if sheet.fmu is None:
         raise BadInputError(f"axles must be 2 or 4 for a parameter set; got {sheet.axles}. Write its FMU: vehicle fmu.")
@@ -158,7 +160,7 @@ def entries_text() -> str:
     """Return the list of entries, with units and limits."""
     from products.vehicle_bodies import INERTIA, NUMBERS
     from products.vehicle_brakes import BRAKE_ENTRIES
-    from products.vehicle_connections import KINDS, PLACE, SHORT
+    from products.vehicle_connections import KINDS, PLACE, SHORT, short_entries
     from products.vehicle_entries import ENTRIES, LIKE, RESISTANCE
 
     rows = [
@@ -167,11 +169,11 @@ def entries_text() -> str:
         "profile_file  contact table of 'bogie-braking profile', or a list with one for each wheelset, for level 3",
         *(f"like      {name}: {about}" for name, (about, _) in LIKE.items()),
     ]
-    tables = {"": ENTRIES, "[resistance]": {key: entry for key, (_, entry) in RESISTANCE.items()}}
+    tables: dict[str, Mapping[str, Quantity]] = {"": ENTRIES}
+    tables |= {"[resistance]": {key: entry for key, (_, entry) in RESISTANCE.items()}}
     tables |= {"[brake]": BRAKE_ENTRIES}
-    for table, (stated, names) in SHORT.items():
-        tables[f"[{table}]"] = {name: (PLACE | KINDS[stated["kind"]].numbers)[name] for name in names}
-    tables |= {"[[body]]": NUMBERS | {"inertia": INERTIA}, "[[connection]]": PLACE}
+    tables |= {f"[{table}]": short_entries(table) for table in SHORT}
+    tables |= {"[[body]]": {**NUMBERS, "inertia": INERTIA}, "[[connection]]": PLACE}
     tables |= {f'[[connection]] kind = "{name}": {kind.text}': kind.numbers for name, kind in KINDS.items()}
     for table, entries in tables.items():
         rows += ["", table] if table else [""]

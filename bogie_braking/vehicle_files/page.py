@@ -22,6 +22,7 @@ from bogie_braking.vehicle_files.check import (
 )
 from bogie_braking.vehicle_files.hunting import FASTEST, FRICTION, HIGHEST, LARGE, TOLERANCE
 from bogie_braking.vehicle_files.picture import picture
+from products.vehicle_connections import table_of
 from rbd_model.contact.creep.laws import DEFAULT_LAW
 from readers.storage import write_whole
 
@@ -34,7 +35,7 @@ Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 
 
 def tables_of(check: VehicleCheck) -> list[Table]:
-    """Return the tables of a check: loads, stops, modes, critical speeds, assumed values."""
+    """Return the tables of a check: loads, stops, modes, critical speeds, connections, assumed values."""
     sheet = check.sheet
     found: list[Table] = [
         (
@@ -57,6 +58,9 @@ def tables_of(check: VehicleCheck) -> list[Table]:
         found.append((f"Natural modes at 36 km/h, up to {HIGHEST:g} Hz", ("Hz", "damping", "motion"), rows))
     if check.hunting is not None:
         found.append(critical_table(check, check.hunting))
+    if sheet.parts.first:
+        title = "Connections; places are ahead of the middle, to the left, above the rail [m]"
+        found.append((title, ("name", "kind", "upper on lower", "place"), table_of(sheet.vehicle)))
     found.append(("Assumed, as the file does not give them", ("value", "source"), grouped(check)))
     return found
 

@@ -37,9 +37,9 @@ def machine_of_sheet(sheet: DataSheet, path: str = "") -> tuple[Machine, SheetBr
         raise FileError(f"{path}: [brake] friction_law must be constant on the test rig; got {law}. Leave it out.")
     if sheet.profile_files:
         raise FileError(f"{path}: profile_file must be left out on the test rig, whose rails are even; got one.")
-    if sheet.own_parts:
+    if sheet.parts.first:
         raise FileError(
-            f"{path}: {sheet.own_parts} must be left out on the test rig, whose connections are built in; got one."
+            f"{path}: {sheet.parts.first} must be left out on the test rig, whose connections are built in; got one."
         )
     if brake.full_pressure > RESERVOIR_PRESSURE:
         most = f"{RESERVOIR_PRESSURE / 1e3:g} kPa, the pressure of the rig's reservoir"

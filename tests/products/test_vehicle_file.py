@@ -55,9 +55,9 @@ def test_a_built_in_vehicle_survives_the_way_through_a_file(name: str, tmp_path:
 def test_tables_of_forces_survive_the_way_through_a_file(tmp_path: Path) -> None:
     sheet = sheet_of(SHEET | TABLES)
     again = bb.read_vehicle(write_vehicle(sheet, tmp_path / "vehicle.toml"))
-    assert again.connections == sheet.connections
+    assert again.parts.connections == sheet.parts.connections
     assert again.vehicle == sheet.vehicle
-    assert again.connections[1].law["rate"] == (0.0, 0.02, 0.04)
+    assert again.parts.connections[1].law["rate"] == (0.0, 0.02, 0.04)
     assert bb.read_vehicle(write_vehicle(again, tmp_path / "again.toml")).vehicle == sheet.vehicle
 
 
