@@ -1,6 +1,7 @@
 """Data of a vehicle: bodies, wheelsets and the elements that connect them (docs/vehicles.md)."""
 
 from rbd_model.vehicle.description import BumpStop as BumpStop
+from rbd_model.vehicle.description import ForceLaw as ForceLaw
 from rbd_model.vehicle.description import FrictionSlider as FrictionSlider
 from rbd_model.vehicle.description import Pull as Pull
 from rbd_model.vehicle.description import RigidBody as RigidBody

@@ -125,7 +125,8 @@ KINDS: Mapping[str, Kind] = {
         by_name(
             replace(STIFFNESS, least=SOFTEST),
             DAMPING,
-            Quantity("capacity", "N", 0.0, 1e8, "friction force"),
+            Quantity("capacity", "N", 0.0, 1e8, "friction force at rest"),
+            Quantity("capacity_slope", "N/m", 0.0, 1e9, "its increase over vertical compression, of a wedge (0)"),
             Quantity("slider_mass", "kg", 0.1, 1e4, "of the slider"),
         ),
         ("direction", "stiffness", "capacity", "slider_mass"),

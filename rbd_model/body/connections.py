@@ -25,6 +25,7 @@ from rbd_model.vehicle.assembly import Assembly, Sizes
 from rbd_model.vehicle.description import (
     ANGLES,
     DIRECTIONS,
+    ForceLaw,
     FrictionSlider,
     Place,
     SeriesDamper,
@@ -39,6 +40,8 @@ from rbd_model.vehicle.scales import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
 
 #: Travel [m] and rate [m/s] beyond the ends of a table over which the last slope continues; no vehicle reaches them.
 BEYOND, BEYOND_RATE = 1.0, 10.0
+#: Nodes and weights of Gauss's rule for the potential of a force.
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 @dataclass(frozen=True)
@@ -199,6 +202,24 @@ def table_damper(sizes: Sizes, connection: TableDamper, relation: Relation) -> E
     return sum_of(effects)
 
 
+def force_law(sizes: Sizes, connection: ForceLaw, relation: Relation) -> Effect:
+    """Return a user's force over travel and rate, instead of (3.38): its part without rate has a potential.
+
+    The potential is the integral by Gauss's rule, exact for polynomials of degree 47; it has no effect on the motion.
+    """
+    assert connection.force is not None
+    further, effects = [sizes.value(size) for size in connection.sizes], []
+    for _, place in connection.sides():
+        stretch = relation.stretch(sizes, place)
+        way, rate = (one[DIRECTIONS.index(connection.direction)] for one in (stretch.way, stretch.rate))
+        pull, elastic = (connection.force(way, one, *further) for one in (rate, 0.0))
+        inner = [connection.force(way * (1 + node) / 2, 0.0, *further) for node in NODES]
+        potential = ca.dot(ca.vertcat(*inner), WEIGHTS) * way / 2
+        lost = (pull - elastic) * rate
+        effects.append(Effect.of(relation, stretch, along(connection.direction, pull), potential, lost))
+    return sum_of(effects)
+
+
 def series_damper(
     assembly: Assembly, connection: SeriesDamper, side: str, relation: Relation, stretch: Stretch
 ) -> Effect:
@@ -221,11 +242,15 @@ def friction_slider(
 ) -> Effect:
     """Return dry friction on a slider in series with a spring and damper: it holds as in the third line of (2.8).
 
+    Coulomb's law with the normal force of a wedge, whose spring is compressed along with the suspension.
     The slider is fixed to the upper end by its spring and rubs on the lower one; its mass is not part of a body.
     """
     system, which = assembly.system, DIRECTIONS.index(connection.direction)
     stiffness, damping = assembly.value(connection.stiffness), assembly.value(connection.damping)
     capacity = ca.SX(assembly.value(connection.capacity))
+    if connection.capacity_slope != 0.0:
+        compressed = -stretch.way[DIRECTIONS.index("vertical")]
+        capacity = ca.fmax(capacity + assembly.value(connection.capacity_slope) * compressed, 0.0)
     travel = system.state(f"{side}_travel", "m", 0.0, NOMINAL_TRAVEL)
     rate = system.state(f"{side}_travel_rate", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     direction = system.direction(f"{side}_direction")
@@ -249,6 +274,7 @@ LAWS: dict[type, Callable[..., Effect]] = {
     Torsion: torsion,
     TableSpring: table_spring,
     TableDamper: table_damper,
+    ForceLaw: force_law,
 }
 WITH_STATES: dict[type, Callable[..., Effect]] = {SeriesDamper: series_damper, FrictionSlider: friction_slider}
 STATELESS = tuple(LAWS)

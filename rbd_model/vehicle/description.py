@@ -8,7 +8,7 @@ of its kind.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from itertools import pairwise
 from typing import Any, Literal
@@ -18,6 +18,7 @@ from rbd_model.contact.creep.kalker import checked_ratio
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.geometry import Pair, Sides, thesis_pair
 from rbd_model.contact.hertz import POISSON_RATIO
+from rbd_model.vehicle.force_function import ForceFunction, function_fault
 from rbd_model.vehicle.force_table import both_sides, damper_fault, spring_fault
 from readers.text import shown
 from readers.usual import likely_unit
@@ -355,6 +356,42 @@ class TableDamper(SuspensionElement):
 
 
 @dataclass(frozen=True)
+class ForceLaw(SuspensionElement):
+    """A force as a function of travel and rate along one direction, such as a damper that saturates smoothly.
+
+    Travel and rate are those of the upper end less the lower one, from rest. It carries no weight. Its part by the
+    travel alone stores energy; the rest must take power, as it is checked at values of its own parameters.
+
+    Parameters
+    ----------
+    name, upper, lower, place, both_sides
+        As in `SuspensionElement`.
+    direction : str
+        "longitudinal", "lateral" or "vertical".
+    force : callable
+        Function of travel [m], rate [m/s] and the sizes, which are CasADi symbols. It returns the force [N], with the
+        sign of the travel for a spring and of the rate for a damper; 0 at rest, without jumps.
+    sizes : tuple of Size
+        Further arguments of the function.
+
+    Raises
+    ------
+    ValueError
+        If the function does not return one CasADi expression.
+    """
+
+    direction: str = "longitudinal"
+    force: Callable[..., Any] | None = None
+    sizes: tuple[Size, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.force, ForceFunction):
+            if not callable(self.force):
+                raise ValueError(f"{self.name}: force must be a function of travel and rate; got {shown(self.force)}.")
+            object.__setattr__(self, "force", ForceFunction.of(self.force, len(self.sizes)))
+
+
+@dataclass(frozen=True)
 class SeriesDamper(SuspensionElement):
     """A spring and a damper in series, along one direction.
 
@@ -379,7 +416,9 @@ class SeriesDamper(SuspensionElement):
 class FrictionSlider(SuspensionElement):
     """Dry friction along one direction, with a true stuck state: a slider in series with a spring.
 
-    A stuck element is only this spring. A damper is parallel to the spring.
+    A stuck element is only this spring. A damper is parallel to the spring. A friction wedge whose own spring is
+    compressed along with the suspension has a capacity that grows with the vertical compression from rest: its friction
+    times the stiffness of that spring is `capacity_slope`. A capacity is never below 0.
 
     Parameters
     ----------
@@ -392,9 +431,11 @@ class FrictionSlider(SuspensionElement):
     damping : Size
         Damping of the damper [N.s/m].
     capacity : Size
-        Friction force [N], such as that of a prestressed friction wedge.
+        Friction force at rest [N], such as that of a prestressed friction wedge.
     slider_mass : Size
         Mass of the slider [kg], above 0.
+    capacity_slope : Size
+        Increase of the friction force over the vertical compression [N/m].
     """
 
     direction: str = "vertical"
@@ -402,6 +443,7 @@ class FrictionSlider(SuspensionElement):
     damping: Size = 0.0
     capacity: Size = 0.0
     slider_mass: Size = 0.0
+    capacity_slope: Size = 0.0
 
 
 @dataclass(frozen=True)
@@ -621,7 +663,11 @@ def _check_law(vehicle: Vehicle, connection: SuspensionElement) -> None:
         value = getattr(connection, word, known[0])
         if value not in known:
             raise _refused(vehicle, f"{connection.name} has the {word} {value}; give one of {', '.join(known)}")
-    if fault := fault_of(connection):
+    fault = fault_of(connection)
+    if isinstance(connection, ForceLaw):
+        assert isinstance(connection.force, ForceFunction)
+        fault = function_fault(connection.force, tuple(vehicle.number(size) for size in connection.sizes))
+    if fault:
         raise _refused(vehicle, f"{connection.name}: {fault.removesuffix('.')}")
 
 

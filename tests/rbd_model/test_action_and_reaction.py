@@ -21,6 +21,7 @@ from rbd_model.body.relation import End
 from rbd_model.vehicle.assembly import Assembly, assemble
 from rbd_model.vehicle.description import (
     BumpStop,
+    ForceLaw,
     FrictionSlider,
     SeriesDamper,
     Springs,
@@ -38,6 +39,13 @@ DIFFERENCED = 1e-6
 PLACE = (1.1, 0.7, 0.2)
 FRAME, AXLE = ("body", "front_frame"), ("front_frame", "wheelset_1")
 BETWEEN = {"bodies": FRAME, "box_below": AXLE, "box_above": ("wheelset_1", "front_frame")}
+
+
+def own_force(travel: ca.SX, rate: ca.SX, stiffness: ca.SX, radius: ca.SX) -> ca.SX:
+    """Return a progressive spring beside a damper that saturates and is stiffer when the spring is."""
+    return stiffness * travel * (1 + (travel / radius) ** 2) + 1e4 * (1 + travel**2) * ca.tanh(rate / 0.1)
+
+
 LAWS = {
     "springs": (Springs, {"stiffness": (3e6, 2e6, 1e6), "damping": (3e4, 2e4, 1e4)}),
     "one_spring": (Springs, {"both_sides": False, "stiffness": (0.0, 2e6, 0.0), "damping": (0.0, 0.0, 1e4)}),
@@ -48,10 +56,15 @@ LAWS = {
     "bump_stop": (BumpStop, {"direction": "lateral", "travel": (0.01, 0.02), "force": (0.0, 1e5)}),
     "table_spring": (TableSpring, {"direction": "vertical", "travel": (0.0, 0.01, 0.02), "force": (0.0, 1e4, 5e4)}),
     "table_damper": (TableDamper, {"direction": "longitudinal", "rate": (0.0, 0.1, 0.2), "force": (0.0, 1e4, 1e4)}),
+    "force_law": (ForceLaw, {"direction": "lateral", "force": own_force, "sizes": (2e5, "wheel_radius")}),
     "series_damper": (SeriesDamper, {"direction": "longitudinal", "stiffness": 1e6, "damping": 1e4}),
     "friction_slider": (
         FrictionSlider,
         {"direction": "vertical", "stiffness": 1e6, "damping": 1e3, "capacity": 1e3, "slider_mass": 5.0},
+    ),
+    "friction_wedge": (
+        FrictionSlider,
+        {"direction": "lateral", "stiffness": 1e6, "capacity": 1e3, "slider_mass": 5.0, "capacity_slope": 5e4},
     ),
 }
 

@@ -11,12 +11,14 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import numpy as np
 import pytest
 
 from rbd_model.vehicle.description import (
     BumpStop,
+    ForceLaw,
     FrictionSlider,
     RigidBody,
     SeriesDamper,
@@ -45,6 +47,11 @@ STATES = 5
 TRACKS = [False, pytest.param(True, marks=pytest.mark.long)]
 #: Tolerance, of the largest acceleration: connections of the oracle are differenced over 10 um; measured 5e-11.
 ORACLE_BAND = 1e-9
+
+
+def own_force(travel: Any, rate: Any, stiffness: Any) -> Any:
+    """Return a progressive spring and a damper that stiffens with it, for numbers and for symbols."""
+    return stiffness * travel * (1 + 9 * travel**2) + 1e4 * (1 + travel**2) * rate
 
 
 def everything() -> Vehicle:
@@ -76,6 +83,8 @@ def everything() -> Vehicle:
             TableDamper(f"saturating_{number}", **at, direction="lateral", rate=(0.0, 0.1, 0.2), force=(0.0, 1e3, 1e3)),
             SeriesDamper(f"damper_{number}", **at, direction="longitudinal", **sizes),
             FrictionSlider(f"slider_{number}", **at, direction="vertical", **sizes, **rubbing),
+            FrictionSlider(f"wedge_{number}", **at, direction="lateral", **sizes, **rubbing, capacity_slope=1e3),
+            ForceLaw(f"law_{number}", **at, direction="longitudinal", force=own_force, sizes=(2e5,)),
         ]
     load = RigidBody("load", "load", 20e3, inertia, 0.0, 1.6)
     return replace(bogie, name="Everything", bodies=(*bogie.bodies, load), connections=tuple(connections))

@@ -6,11 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from rbd_model.vehicle.description import (
     ANGLES,
     DIRECTIONS,
+    ForceLaw,
     FrictionSlider,
     SeriesDamper,
     Size,
@@ -162,6 +164,9 @@ def wrenches(
             law = along_a_table(connection, preload)
         elif isinstance(connection, TableDamper):
             law = Law(lambda way: 0.0, lambda rate: table_force(connection.rate, connection.force, rate))
+        elif isinstance(connection, ForceLaw):
+            travel = stretch(ends[0].body, ends[1].body)[DIRECTIONS.index(connection.direction)]
+            law = of_a_function(connection, number(*connection.sizes).tolist(), float(travel))
         elif isinstance(connection, SeriesDamper):
             law = behind_a_spring(float(number(connection.stiffness)[0]), 0.0, states[f"{side}_travel"], 0.0)
         elif isinstance(connection, FrictionSlider):
@@ -190,6 +195,19 @@ def behind_a_spring(stiffness: float, damping: float, travel: float, travel_rate
     return Law(
         lambda way: stiffness * float((way[0] - travel) ** 2) / 2,
         lambda rate: damping * (rate - travel_rate),
+    )
+
+
+def of_a_function(connection: ForceLaw, sizes: list[float], travel: float) -> Law:
+    """Return the law of a force over travel and rate, at a travel [m]."""
+
+    def force(way: float, rate: float) -> float:
+        assert connection.force is not None
+        return float(connection.force(way, rate, *sizes))
+
+    return Law(
+        lambda way: float(quad(force, 0.0, float(way[0]), (0.0,), epsabs=1e-12)[0]),
+        lambda rate: np.array([force(travel, float(rate[0])) - force(travel, 0.0)]),
     )
 
 
