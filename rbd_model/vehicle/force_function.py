@@ -65,9 +65,10 @@ def function_fault(force: ForceFunction, sizes: tuple[float, ...]) -> str:
         return np.array(mapped).reshape(*rates.shape, 3)
 
     found = at(rate, travel)
-    for what, values in (("force", found[..., 0]), ("slope of the force", np.sum(found[..., 1:], axis=-1))):
-        if not np.all(np.isfinite(values)):
-            where = _place(~np.isfinite(values), rate, travel)
+    for what, columns in (("force", found[..., :1]), ("slope of the force", found)):
+        missing = ~np.all(np.isfinite(columns), axis=-1)
+        if np.any(missing):
+            where = _place(missing, rate, travel)
             return f"{what} must be finite; it is not at {where}. Add a small number below a root or a quotient."
     values, middle = found[..., 0], len(SHARES) // 2
     largest = float(np.max(np.abs(values)))
