@@ -7,7 +7,7 @@ import casadi as ca
 
 from fmu_src.chain import symbols_in
 from fmu_src.system import System
-from rbd_model.body.connections import Load
+from rbd_model.body.effect import Load
 from rbd_model.body.kinematics import Body, axes_rate, pitch_rotation, yaw_roll
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import ANGLES, Motion, RigidBody

@@ -9,16 +9,15 @@ above it. An axle box, which yaws and rolls with its wheelset and pitches with t
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
-from functools import reduce
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from itertools import accumulate
 
 import casadi as ca
 import numpy as np
 
 from fmu_src.piecewise import interpolation, look_up, polynomials
+from rbd_model.body.effect import Effect, along, sum_of
 from rbd_model.body.kinematics import axis_of
 from rbd_model.body.relation import Relation, Stretch
 from rbd_model.vehicle.assembly import Assembly, Sizes
@@ -36,55 +35,10 @@ from rbd_model.vehicle.description import (
     Torsion,
 )
 from rbd_model.vehicle.force_table import lines
-from rbd_model.vehicle.scales import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
+from rbd_model.vehicle.scales import BEYOND, BEYOND_RATE, NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
 
-#: Travel [m] and rate [m/s] beyond the ends of a table over which the last slope continues; no vehicle reaches them.
-BEYOND, BEYOND_RATE = 1.0, 10.0
 #: Nodes and weights of Gauss's rule for the potential of a force.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
-
-
-@dataclass(frozen=True)
-class Load:
-    """Load on a body: force [N] in the axes of the track there, moment about its centre [N.m] in its own axes."""
-
-    force: ca.SX
-    moment: ca.SX
-
-    def __add__(self, other: Load) -> Load:
-        return Load(self.force + other.force, self.moment + other.moment)
-
-
-NO_LOAD = Load(ca.SX.zeros(3), ca.SX.zeros(3))
-
-
-@dataclass(frozen=True)
-class Effect:
-    """Effect of connections of one pair: force on the lower end [N] in its axes; the upper end has the opposite one.
-
-    raised, lowered: moments on the (upper, lower) end about its own centre, in its own axes [N.m]; energy stored [J]
-    and power lost [W].
-    """
-
-    force: ca.SX
-    raised: ca.SX
-    lowered: ca.SX
-    potential: ca.SX
-    power: ca.SX
-
-    def __add__(self, other: Effect) -> Effect:
-        return Effect(*(getattr(self, item.name) + getattr(other, item.name) for item in fields(Effect)))
-
-    @classmethod
-    def of(cls, relation: Relation, stretch: Stretch, pull: ca.SX, potential: ca.SX, power: ca.SX) -> Effect:
-        """Return the effect of a force between two points, eqs (3.41), (3.42): it acts in one line on both ends."""
-        raised = ca.cross(relation.axes.T @ pull, stretch.upper)
-        return cls(pull, raised, ca.cross(stretch.lower + stretch.way, pull), potential, power)
-
-
-def sum_of(effects: Sequence[Effect]) -> Effect:
-    """Return the sum of at least one effect, eqs (3.35), (3.36)."""
-    return reduce(operator.add, effects)
 
 
 def connect(assembly: Assembly, connection: SuspensionElement, relation: Relation) -> Effect:
@@ -135,11 +89,6 @@ def springs(sizes: Sizes, connection: Springs, relation: Relation) -> Effect:
     beside = relation.spread(ca.vertcat(0, sizes.value(across), 0))
     turning = replace(spring(beside, (left - right) / 2, 2), force=ca.SX.zeros(3))
     return spring(middle, (left + right) / 2, 2) + turning
-
-
-def along(direction: str, value: ca.SX) -> ca.SX:
-    """Return a vector of this size along one of DIRECTIONS, the axes of section 3.2.1."""
-    return ca.vertcat(*[value if name == direction else 0 for name in DIRECTIONS])
 
 
 def torsion(sizes: Sizes, connection: Torsion, relation: Relation) -> Effect:
@@ -268,7 +217,7 @@ def friction_slider(
 
 
 #: Law of each kind of connection without states of its own, and of those with states, one side at a time. A new
-#: element is a class in rbd_model/vehicle/description.py, its law here and a row.
+#: element is a class, its law and a row (CONTRIBUTING.md).
 LAWS: dict[type, Callable[..., Effect]] = {
     Springs: springs,
     Torsion: torsion,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import casadi as ca
 
 from fmu_src.chain import Chain
-from rbd_model.body.connections import NO_LOAD, Effect, Load
+from rbd_model.body.effect import NO_LOAD, Effect, Load
 from rbd_model.body.kinematics import Body
 from rbd_model.body.relation import Box, End, Relation, narrow
 from rbd_model.track.frame import HERE, Pose, relative

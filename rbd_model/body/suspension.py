@@ -7,7 +7,8 @@ import casadi as ca
 
 from fmu_src.chain import Chain, Part, digest_of
 from rbd_model.body.bodies import MovingBody
-from rbd_model.body.connections import STATELESS, Load, along, connect, connect_stateless, sum_of
+from rbd_model.body.connections import STATELESS, connect, connect_stateless
+from rbd_model.body.effect import Load, along, sum_of
 from rbd_model.body.kinematics import Body, turned_about_axes
 from rbd_model.body.loads import Loads
 from rbd_model.body.relation import End

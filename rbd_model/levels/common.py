@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 
 from rbd_model.body.bodies import MovingBody, move_body
-from rbd_model.body.connections import Load
+from rbd_model.body.effect import Load
 from rbd_model.body.kinematics import Body
 from rbd_model.body.loads import Loads
 from rbd_model.levels.resistance import Resistance

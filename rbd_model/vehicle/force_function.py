@@ -10,8 +10,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-#: Largest travel [m] and rate [m/s] at which a function is checked; no vehicle reaches them.
-BEYOND, BEYOND_RATE = 1.0, 10.0
+from rbd_model.vehicle.scales import BEYOND, BEYOND_RATE
+
 #: Travels and rates of the check, as shares of the largest, in both senses.
 SHARES = np.concatenate([-np.geomspace(1.0, 1e-6, 31), [0.0], np.geomspace(1e-6, 1.0, 31)])
 #: Change of the force over no distance that is a jump [N], halvings of a distance until it is none, and round-off as a

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from rbd_model.body.bodies import start_along
-from rbd_model.body.connections import Load
+from rbd_model.body.effect import Load
 from rbd_model.body.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.contact.geometry import Side
 from rbd_model.contact.pair_table import flange_of_wheel, line_record

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from rbd_model.body.bodies import Shift, move_along
-from rbd_model.body.connections import Load
+from rbd_model.body.effect import Load
 from rbd_model.body.kinematics import Body
 from rbd_model.track.frame import TrackFrame
 from rbd_model.track.irregularity import Section

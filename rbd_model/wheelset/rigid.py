@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import casadi as ca
 
-from rbd_model.body.connections import Load
+from rbd_model.body.effect import Load
 from rbd_model.body.kinematics import Body, turned_by
 from rbd_model.contact.geometry import Sides, contact_at, flange_of, last_tread_contact
 from rbd_model.track.irregularity import Section

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from rbd_model.body.bodies import angle_rates
-from rbd_model.body.connections import Load, connect
+from rbd_model.body.connections import connect
+from rbd_model.body.effect import Load
 from rbd_model.body.kinematics import Body, pitch_rotation, yaw_roll
 from rbd_model.body.loads import Loads
 from rbd_model.body.relation import End
