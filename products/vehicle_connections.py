@@ -6,7 +6,7 @@ A row is one connection element between two parts, or the same element in both b
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -36,19 +36,27 @@ from readers.usual import SOFTEST
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of connection: its class, whose fields are the entries of a row, and how many numbers a list has.
+    """A kind of connection. Its entries are the fields of its class: a word, a number, or a list of numbers.
 
-    required: entries that a row must have. lists: those with numbers in brackets; 0: any count. words: those with one
-    of some words. effective: a row must have one of these above 0.
+    optional: entries that a row may lack. If all may, one of them must be above 0.
     """
 
     part: type[SuspensionElement]
     text: str
     numbers: Mapping[str, Quantity]
-    required: tuple[str, ...]
-    lists: Mapping[str, int]
-    words: Mapping[str, tuple[str, ...]]
-    effective: tuple[str, ...] = ()
+    optional: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> dict[str, tuple[str, ...]]:
+        """Entries with one of some words."""
+        names = [field.name for field in fields(self.part)]
+        return {name: known for name, known in WORDS.items() if name in names}
+
+    @property
+    def lists(self) -> dict[str, int]:
+        """Entries that are lists of numbers, and how many: 3, or 0 for any."""
+        types = {field.name: str(field.type) for field in fields(self.part) if field.name in self.numbers}
+        return {name: 0 if "..." in kind else 3 for name, kind in types.items() if kind.startswith("tuple")}
 
     @property
     def entries(self) -> list[str]:
@@ -56,11 +64,14 @@ class Kind:
         return [*self.words, *self.numbers]
 
 
+#: Entries that are words.
+WORDS = {"direction": DIRECTIONS, "angle": ANGLES}
 STIFFNESS = Quantity("stiffness", "N/m", 0.0, 1e11, "of the spring", above_0=SOFTEST)
 DAMPING = Quantity("damping", "N.s/m", 0.0, 1e9, "of the damper")
+SPRING, DAMPER = replace(STIFFNESS, least=SOFTEST), replace(DAMPING, least=1.0)
 TRAVEL = Quantity("travel", "m", -1.0, 1.0, "travels of the upper end over the lower one, rising")
+RATE = Quantity("rate", "m/s", -10.0, 10.0, "rates of the upper end over the lower one, rising")
 FORCE = Quantity("force", "N", -1e8, 1e8, "forces there")
-ALONG, TWO_LISTS = {"direction": DIRECTIONS}, {"travel": 0, "force": 0}
 #: Kinds of connections by their names in files. A connection of one's own is a further row.
 KINDS: Mapping[str, Kind] = {
     "springs": Kind(
@@ -70,9 +81,6 @@ KINDS: Mapping[str, Kind] = {
             replace(STIFFNESS, text="along, across and up; a vertical one carries its share of the weight"),
             replace(DAMPING, text="along, across and up"),
         ),
-        (),
-        {"stiffness": 3, "damping": 3},
-        {},
         ("stiffness", "damping"),
     ),
     "torsion": Kind(
@@ -82,56 +90,29 @@ KINDS: Mapping[str, Kind] = {
             Quantity("stiffness", "N.m/rad", 0.0, 1e11, "against the angle"),
             Quantity("damping", "N.m.s/rad", 0.0, 1e9, "against its rate"),
         ),
-        ("angle",),
-        {},
-        {"angle": ANGLES},
         ("stiffness", "damping"),
     ),
-    "series_damper": Kind(
-        SeriesDamper,
-        "spring and damper in series",
-        by_name(replace(STIFFNESS, least=SOFTEST), replace(DAMPING, least=1.0)),
-        ("direction", "stiffness", "damping"),
-        {},
-        ALONG,
-    ),
-    "table_spring": Kind(
-        TableSpring,
-        "force over the travel by points",
-        by_name(TRAVEL, FORCE),
-        ("direction", "travel", "force"),
-        TWO_LISTS,
-        ALONG,
-    ),
+    "series_damper": Kind(SeriesDamper, "spring and damper in series", by_name(SPRING, DAMPER)),
+    "table_spring": Kind(TableSpring, "force over the travel by points", by_name(TRAVEL, FORCE)),
     "bump_stop": Kind(
         BumpStop,
         "the same with a clearance",
         by_name(replace(TRAVEL, least=0.0, text="travels, rising; the first is the clearance"), FORCE),
-        ("direction", "travel", "force"),
-        TWO_LISTS,
-        ALONG,
     ),
     "table_damper": Kind(
-        TableDamper,
-        "force over the rate by points, such as a damper that saturates",
-        by_name(Quantity("rate", "m/s", -10.0, 10.0, "rates of the upper end over the lower one, rising"), FORCE),
-        ("direction", "rate", "force"),
-        {"rate": 0, "force": 0},
-        ALONG,
+        TableDamper, "force over the rate by points, such as a damper that saturates", by_name(RATE, FORCE)
     ),
     "friction_slider": Kind(
         FrictionSlider,
-        "dry friction in series with a spring",
+        "dry friction in series with a spring, such as a wedge",
         by_name(
-            replace(STIFFNESS, least=SOFTEST),
+            SPRING,
             DAMPING,
             Quantity("capacity", "N", 0.0, 1e8, "friction force at rest"),
-            Quantity("capacity_slope", "N/m", 0.0, 1e9, "its increase over vertical compression, of a wedge (0)"),
+            Quantity("capacity_slope", "N/m", 0.0, 1e9, "its increase over vertical compression (default: 0)"),
             Quantity("slider_mass", "kg", 0.1, 1e4, "of the slider"),
         ),
-        ("direction", "stiffness", "capacity", "slider_mass"),
-        {},
-        ALONG,
+        ("damping", "capacity_slope"),
     ),
 }
 #: Entries of every row that are numbers; those of its kind are beside them.
@@ -185,7 +166,7 @@ def connection_rows(
 
     Raises ValueError.
     """
-    known, rows = ends_of(axles, bodies), []
+    known, rows = ends_of(axles) | dict.fromkeys(bodies, False), []
     for table, (stated, entries) in SHORT.items():
         if content := short.get(table):
             if axles == 2:
@@ -214,17 +195,19 @@ def short_entries(table: str) -> Mapping[str, Quantity]:
     return {name: known[name] for name in names}
 
 
-def ends_of(axles: int, bodies: Collection[str] = ()) -> list[str]:
-    """Return the names of parts that a connection can join; bodies: those of the file's own."""
-    wheelsets = [wheelset_name(number) for number in range(1, axles + 1)]
+def ends_of(axles: int) -> dict[str, bool]:
+    """Return the parts of a built-in vehicle that a connection can join, and whether a name stands for one of each
+    bogie.
+    """
+    wheelsets = {wheelset_name(number): False for number in range(1, axles + 1)}
     if axles == 2:
-        return ["frame", *wheelsets, *bodies]
-    each = [name for name in OF_EACH_BOGIE if name != "middle_wheelset" or axles == 6]
-    return ["body", *each, "front_frame", "rear_frame", *wheelsets, *bodies]
+        return {"frame": False, **wheelsets}
+    each = {name: True for name in OF_EACH_BOGIE if name != "middle_wheelset" or axles == 6}
+    return {"body": False, **each, "front_frame": False, "rear_frame": False, **wheelsets}
 
 
 def _row(
-    table: str, content: Mapping[str, Any], entries: Mapping[str, Any], known: Sequence[str], where: str
+    table: str, content: Mapping[str, Any], entries: Mapping[str, Any], known: Mapping[str, bool], where: str
 ) -> ConnectionRow:
     """Return a connection from its entries. Raises ValueError."""
     for key in TEXTS:
@@ -233,8 +216,8 @@ def _row(
     name = name_of(content["name"], where)
     kind = KINDS[choice_of(KINDS, content["kind"], f"{where}kind", "Choose one.")]
     check_names(content, [*TEXTS, *PLACE, *kind.entries], where)
-    for key in kind.required:
-        if key not in content:
+    for key in kind.entries:
+        if key not in content and key not in kind.optional:
             raise ValueError(f"{where}{key} must be given; got none. Add it.")
     if "aside" in content and "half_spacing" in content:
         raise ValueError(f"{where}aside must be left out beside half_spacing; got both. State one of them.")
@@ -242,8 +225,8 @@ def _row(
     law = {key: _law(kind, key, content[key], where) for key in kind.entries if key in content}
     ends, is_in_each_bogie = _ends(content, known, where)
     fault = fault_of(kind.part(name, *ends, (0.0, 0.0, 0.0), False, **law))
-    if not any(np.any(np.array(law.get(key, 0.0)) > 0.0) for key in kind.effective) and kind.effective:
-        fault = f"{' or '.join(kind.effective)} must be above 0; got none. Give one, or remove the row."
+    if {*kind.numbers} == {*kind.optional} and not any(np.any(law.get(key, 0.0)) for key in kind.optional):
+        fault = f"{' or '.join(kind.optional)} must be above 0; got none. Give one, or remove the row."
     if fault:
         raise ValueError(f"{where}{fault}")
     return ConnectionRow(table, name, content["kind"], *ends, is_in_each_bogie, place, law, dict(entries))
@@ -258,13 +241,13 @@ def _law(kind: Kind, key: str, value: object, where: str) -> Any:
     return number_of(kind.numbers[key], value, f"{where}{key}")
 
 
-def _ends(content: Mapping[str, Any], known: Sequence[str], where: str) -> tuple[tuple[str, str], bool]:
+def _ends(content: Mapping[str, Any], known: Mapping[str, bool], where: str) -> tuple[tuple[str, str], bool]:
     """Return both ends, and whether they stand for those of each bogie. Raises ValueError."""
     upper, lower = (choice_of(known, content[key], f"{where}{key}", "Choose one.") for key in ("upper", "lower"))
     if upper == lower:
         raise ValueError(f"{where}upper and lower must be two parts; got {upper} twice. Change one of them.")
-    each = [end for end in (upper, lower) if end in OF_EACH_BOGIE and "body" in known]
-    others = [end for end in (upper, lower) if end not in (*OF_EACH_BOGIE, "body")]
+    each = [end for end in (upper, lower) if known[end]]
+    others = [end for end in (upper, lower) if not known[end] and end != "body"]
     if each and others:
         raise ValueError(
             f"{where}upper and lower must be parts of one bogie; got {others[0]} beside {each[0]}, which stands for "

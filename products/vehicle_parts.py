@@ -7,7 +7,14 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from products.vehicle_bodies import BodyRow, body_rows, lines_of_bodies
-from products.vehicle_connections import SHORT, ConnectionRow, connection_rows, connections_of, lines_of_connections
+from products.vehicle_connections import (
+    SHORT,
+    ConnectionRow,
+    connection_rows,
+    connections_of,
+    ends_of,
+    lines_of_connections,
+)
 from products.vehicle_entries import choice_of
 from rbd_model.vehicle.description import Vehicle
 from readers.text import shown
@@ -58,6 +65,9 @@ class OwnParts:
 def own_parts(read: Mapping[str, Any], axles: int) -> OwnParts:
     """Return the parts of a file. Raises ValueError."""
     bodies = body_rows(_rows(read, "body"))
+    for row in bodies:
+        if row.body.name in ends_of(axles):
+            raise ValueError(f"[[body]] {row.body.name}: name must differ from that of a built-in part. Rename it.")
     short = {table: read.get(table, {}) for table in SHORT}
     connections = connection_rows(short, _rows(read, "connection"), axles, [row.body.name for row in bodies])
     choice = choice_of((BUILT_IN, OF_FILE), read.get(ENTRY, BUILT_IN), ENTRY, "Choose one.")

@@ -13,6 +13,7 @@ import pytest
 import bogie_braking as bb
 from bogie_braking.machines import machine_of, model_from
 from fmu_src.kernel import Kernel
+from products.vehicle_connections import KINDS
 from products.vehicle_file import sheet_of
 from products.vehicle_toml import write_vehicle
 from rbd_model.contact.geometry import synthetic_pair
@@ -114,7 +115,13 @@ def test_it_runs_through_a_curve_as_that_in_python(tmp_path: Path) -> None:
 
 def damper(**more: object) -> dict[str, Any]:
     """Return a file with one row, a lateral damper of each bogie; None removes an entry."""
-    row = {"name": "damper", "kind": "series_damper", "upper": "body", "lower": "frame", "height": "0.6 m"}
+    row: dict[str, Any] = {
+        "name": "damper",
+        "kind": "series_damper",
+        "upper": "body",
+        "lower": "frame",
+        "height": "0.6 m",
+    }
     row |= {"direction": "lateral", "stiffness": "5 MN/m", "damping": "30 kN.s/m", **more}
     return {"connection": [{key: value for key, value in row.items() if value is not None}]}
 
@@ -149,6 +156,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"connections": "files"}, "connections must be one of built-in, file; got files. Did you mean file?"),
     ({"connections": "file"}, "nothing carries body; give it a connection with a vertical stiffness"),
     (body(), "nothing carries motor; give it a connection with a vertical stiffness"),
+    (body(name="frame"), "[[body]] frame: name must differ from that of a built-in part. Rename it."),
     (body(mass=None), "[[body]] motor: mass must be given; got none. Add it."),
     (body(inertia=[1, 2]), "[[body]] motor: inertia must be a list of 3 numbers; got [1, 2]."),
     (
@@ -187,3 +195,22 @@ def test_vehicles_with_rows_survive_the_way_through_a_file(tmp_path: Path) -> No
         assert again.mass == sheet.mass
     assert again.mass == pytest.approx(40e3, rel=1e-12)
     assert again.parameters.values()["body_mass"] < sheet_of({"tare": "40 t"}).parameters.values()["body_mass"] - 999.0
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_the_page_lists_the_entries_of_each_kind(name: str) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "vehicle_files.md").read_text(encoding="utf-8")
+    (row,) = [line for line in page.splitlines() if re.match(rf"\| .*`{name}`.* \|", line) and line.count("|") == 4]
+    for entry in KINDS[name].entries:
+        assert f"`{entry}`" in row, entry
+
+
+@pytest.mark.study
+def test_the_fmu_of_a_file_with_rows_is_its_run(tmp_path: Path) -> None:
+    metro, names = bb.read_vehicle(GZ18), ["axle_load_1", "speed", "body_pitch"]
+    values: dict[str, Any] = {"initial_speed": 20.0, "brake_torque_1": 6e3}
+    run = bb.run(metro, 2.0, None, names, 1.0, level=2, **values)
+    with bb.FmuInstance(bb.write_fmu(metro, tmp_path / "metro.fmu", level=2), **values) as fmu:
+        fmu.start()
+        fmu.step(0.0, 2.0)
+        assert [fmu[name] for name in names] == pytest.approx([run[name][-1] for name in names], rel=1e-6)
