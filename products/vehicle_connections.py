@@ -72,7 +72,7 @@ SPRING, DAMPER = replace(STIFFNESS, least=SOFTEST), replace(DAMPING, least=1.0)
 TRAVEL = Quantity("travel", "m", -1.0, 1.0, "travels of the upper end over the lower one, rising")
 RATE = Quantity("rate", "m/s", -10.0, 10.0, "rates of the upper end over the lower one, rising")
 FORCE = Quantity("force", "N", -1e8, 1e8, "forces there")
-#: Kinds of connections by their names in files. A connection of one's own is a further row.
+#: Kinds of connections by their names in files. Your own kind is a further row.
 KINDS: Mapping[str, Kind] = {
     "springs": Kind(
         Springs,
@@ -122,7 +122,7 @@ PLACE = by_name(
     Quantity("half_spacing", "m", 0.01, 5.0, "two elements, as far to the left and to the right of the middle"),
     Quantity("height", "m", 0.0, 6.0, "above the rail"),
 )
-#: Entries of every row that are texts.
+#: Entries of every row that are strings.
 TEXTS = ("name", "kind", "upper", "lower")
 #: Short tables: what they say about a connection of the body and each frame, and the entries that they may have.
 SHORT: Mapping[str, tuple[Mapping[str, str], tuple[str, ...]]] = {
@@ -140,9 +140,9 @@ OF_EACH_BOGIE = ("frame", "leading_wheelset", "middle_wheelset", "trailing_wheel
 class ConnectionRow:
     """A connection of a file.
 
-    table: the short table that states it, or "connection". is_in_each_bogie: it stands for one in both. place [m]:
-    along, aside or half_spacing, height above the rail, as far as stated. law: fields of its class [SI]. entries: as
-    the file has them.
+    table: the short table that states it, or "connection". is_in_each_bogie: true if it stands for one in both.
+    place [m]: those of along, aside, half_spacing and height above the rail that it states. law: fields of its class
+    [SI]. entries: as the file has them.
     """
 
     table: str
@@ -309,7 +309,7 @@ def lines_of_connections(rows: Sequence[ConnectionRow]) -> list[str]:
 
 
 def table_of(vehicle: Vehicle) -> list[tuple[str, str, str, str]]:
-    """Return name, kind, ends and place of each connection of a vehicle, as texts; heights are above the rail."""
+    """Return name, kind, ends and place of each connection of a vehicle, as strings; heights are above the rail."""
     kinds = {kind.part: name for name, kind in KINDS.items()}
     radius = vehicle.number(vehicle.wheelsets[0].mean_radius)
     rows = []

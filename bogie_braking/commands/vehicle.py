@@ -143,7 +143,7 @@ def export(chosen: argparse.Namespace) -> None:
     print(export_vehicle(chosen.name, path))
 
 
-#: Lines of the list of entries for entries that are texts, by their table.
+#: Lines of the list for entries that are strings, by their table.
 TEXTS = {
     "[brake]": ["acts_on            treads or discs"],
     "[[body]]": ["name               of its variables", "held               motions that it lacks, such as pitch"],

@@ -38,7 +38,7 @@ class ForceFunction:
             reason = str(error).strip().splitlines()[-1:] or [type(error).__name__]
             raise ValueError(
                 f"force must return a CasADi expression of travel, rate and {count} sizes; it failed: "
-                f"{reason[0].rstrip('.')}. Write ca.if_else, ca.tanh and ca.fmax in place of if, math and max."
+                f"{reason[0].rstrip('.')}. Write ca.if_else, ca.tanh and ca.fmax instead of if, math and max."
             ) from error
         if result.numel() != 1:
             raise ValueError(f"force must return one number [N]; got {result.numel()}. Return the force alone.")
