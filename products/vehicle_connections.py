@@ -96,7 +96,7 @@ KINDS: Mapping[str, Kind] = {
     "table_spring": Kind(TableSpring, "force over the travel by points", by_name(TRAVEL, FORCE)),
     "bump_stop": Kind(
         BumpStop,
-        "the same with a clearance",
+        "table_spring with a clearance, the same in both senses",
         by_name(replace(TRAVEL, least=0.0, text="travels, rising; the first is the clearance"), FORCE),
     ),
     "table_damper": Kind(

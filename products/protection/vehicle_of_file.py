@@ -37,10 +37,8 @@ def machine_of_sheet(sheet: DataSheet, path: str = "") -> tuple[Machine, SheetBr
         raise FileError(f"{path}: [brake] friction_law must be constant on the test rig; got {law}. Leave it out.")
     if sheet.profile_files:
         raise FileError(f"{path}: profile_file must be left out on the test rig, whose rails are even; got one.")
-    if sheet.parts.first:
-        raise FileError(
-            f"{path}: {sheet.parts.first} must be left out on the test rig, whose connections are built in; got one."
-        )
+    if own := sheet.parts.first:
+        raise FileError(f"{path}: {own} must be left out on the test rig, whose connections are built in; got one.")
     if brake.full_pressure > RESERVOIR_PRESSURE:
         most = f"{RESERVOIR_PRESSURE / 1e3:g} kPa, the pressure of the rig's reservoir"
         raise FileError(f"{path}: [brake] full_pressure must be at most {most}; got {brake.full_pressure / 1e3:g} kPa.")

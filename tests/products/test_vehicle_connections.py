@@ -12,6 +12,7 @@ import pytest
 
 import bogie_braking as bb
 from bogie_braking.machines import machine_of, model_from
+from bogie_braking.vehicle_files.check import axle_loads
 from fmu_src.kernel import Kernel
 from products.vehicle_connections import KINDS
 from products.vehicle_file import sheet_of
@@ -182,6 +183,40 @@ def test_a_row_replaces_the_built_in_connection_of_its_name_and_its_values() -> 
     assert before.assumed.keys() - after.assumed.keys() == {"traction_rod_stiffness", "traction_rod_damping"}
     assert before.fmu == "braked-vehicle" or before.fmu == "vehicle"
     assert after.fmu is None
+
+
+def test_a_row_of_each_bogie_joins_the_wheelsets_of_both() -> None:
+    """The place along is that of the axle, or counts from the middle of the bogie; six axles have middle ones."""
+    row = {"upper": "frame", "lower": "middle_wheelset", "name": "link"}
+    six = {"tare": "120 t", "axles": 6, "wheel_base": "1.8 m", "pivot_distance": "11 m", "length": "20 m"}
+    for along, ahead in ((None, 0.0), ("-0.4 m", -0.4)):
+        sheet = sheet_of(six | damper(**row, along=along, aside="-1 m"))
+        links = [one for one in sheet.vehicle.connections if one.name.endswith("link")]
+        assert [(one.name, one.upper, one.lower) for one in links] == [
+            ("front_link", "front_frame", "wheelset_2"),
+            ("rear_link", "rear_frame", "wheelset_5"),
+        ]
+        places = [[sheet.vehicle.number(size) for size in one.place] for one in links]
+        above = 0.6 - sheet.vehicle.number("wheel_radius")
+        assert places == [pytest.approx([5.5 + ahead, -1.0, above]), pytest.approx([-5.5 + ahead, -1.0, above])]
+
+
+def test_a_motor_on_its_mounts_loads_its_bogie() -> None:
+    mounts: dict[str, Any] = {
+        "kind": "springs",
+        "direction": None,
+        "upper": "motor",
+        "lower": "front_frame",
+        "damping": None,
+    }
+    mounts |= {"stiffness": [5e6, 5e6, 5e6]}
+    front = damper(**mounts, name="front_mounts", along="9.8 m", half_spacing="0.3 m")["connection"]
+    rear = damper(**mounts, name="rear_mounts", along="9.2 m", half_spacing="0.3 m")["connection"]
+    sheet = sheet_of({"tare": "42 t", "connection": front + rear} | body(along="9.5 m"))
+    own, loads = sheet.parameters.values(), axle_loads(sheet)
+    under = own["frame_mass"] + 2 * own["wheelset_mass"] + own["body_mass"] / 2
+    assert sheet.mass == pytest.approx(42e3, rel=1e-12)
+    assert loads == pytest.approx([9.80665 * mass / 2 for mass in (under + 1e3, under + 1e3, under, under)], rel=1e-6)
 
 
 def test_vehicles_with_rows_survive_the_way_through_a_file(tmp_path: Path) -> None:

@@ -114,7 +114,7 @@ def test_python_and_command_brake_a_vehicle_alike(tmp_path: Path, acts_on: str) 
         (("1.0 s", "61 s"), "application_time must be at most 60 s on the test rig; got 61 s."),
         (
             ("[brake]", "[bump_stop]\ntravel = [0.02, 0.04]\nforce = [0, 1e4]\n[brake]"),
-            "[bump_stop] must be left out on the test rig, whose springs are linear; got one.",
+            "[bump_stop] must be left out on the test rig, whose connections are built in; got one.",
         ),
         (("38 t", "38"), "tare must be"),
     ],
