@@ -63,9 +63,9 @@ def write_fmu(
 ) -> Path:
     """Build the FMU of a vehicle, system or model, and validate it.
 
-    A built-in vehicle needs no compiler, nor does one from a file with 2 or 4 axles and no connections or bodies of its
-    own: the FMU is the built-in one with its own start values. Start values, contact table and line are files in its
-    resources, from which its GUID follows. A host must pass it the location of its resources.
+    A built-in vehicle needs no compiler: the FMU is the built-in one with its own start values. The same is true of a
+    vehicle from a file with 2 or 4 axles and no connections or bodies of its own. Start values, contact table and line
+    are files in its resources, from which its GUID follows. A host must pass it the location of its resources.
 
     Parameters
     ----------

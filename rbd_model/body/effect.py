@@ -24,9 +24,6 @@ class Load:
         return Load(self.force + other.force, self.moment + other.moment)
 
 
-NO_LOAD = Load(ca.SX.zeros(3), ca.SX.zeros(3))
-
-
 @dataclass(frozen=True)
 class Effect:
     """Effect of connections of one pair: force on the lower end [N] in its axes; the upper end has the opposite one.

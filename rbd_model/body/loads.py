@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import casadi as ca
 
 from fmu_src.chain import Chain
-from rbd_model.body.effect import NO_LOAD, Effect, Load
+from rbd_model.body.effect import Effect, Load
 from rbd_model.body.kinematics import Body
 from rbd_model.body.relation import Box, End, Relation, narrow
 from rbd_model.track.frame import HERE, Pose, relative
@@ -36,7 +36,7 @@ class Loads:
 
     def on(self, name: str) -> Load:
         """Return the sum of all loads on one body, eqs (3.35), (3.36)."""
-        total = sum(self.of[name], NO_LOAD)
+        total = sum(self.of[name], Load(ca.SX.zeros(3), ca.SX.zeros(3)))
         return replace(total, force=self.chain.narrow(total.force))
 
     def pose(self, seat: str, name: str) -> Pose:

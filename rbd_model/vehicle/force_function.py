@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from rbd_model.vehicle.scales import BEYOND, BEYOND_RATE
@@ -31,6 +30,8 @@ class ForceFunction:
     @classmethod
     def of(cls, force: Callable[..., Any], count: int) -> ForceFunction:
         """Return a user's function with `count` further numbers. Raises ValueError if it returns no expression."""
+        import casadi as ca  # vehicles without functions need none
+
         symbols = [ca.SX.sym(name) for name in ("travel", "rate", *(f"size_{number}" for number in range(count)))]
         try:
             result = ca.SX(force(*symbols))
@@ -42,10 +43,14 @@ class ForceFunction:
             ) from error
         if result.numel() != 1:
             raise ValueError(f"force must return one number [N]; got {result.numel()}. Return the force alone.")
+        if others := {one.name() for one in ca.symvar(result)} - {one.name() for one in symbols}:
+            raise ValueError(f"force must depend on travel, rate and its sizes; got {min(others)} too. Make it a size.")
         return cls(ca.Function("force", symbols, [result]).serialize())
 
     def __call__(self, travel: Any, rate: Any, *sizes: Any) -> Any:
         """Return the force [N] of numbers or symbols."""
+        import casadi as ca
+
         return ca.Function.deserialize(self.text)(travel, rate, *sizes)
 
 
@@ -55,6 +60,8 @@ def function_fault(force: ForceFunction, sizes: tuple[float, ...]) -> str:
 
     It must be finite, with finite slopes, without jumps and 0 at rest, and its part by the rate must take power.
     """
+    import casadi as ca
+
     x, v = ca.SX.sym("x"), ca.SX.sym("v")
     value = force(x, v, *sizes)
     both = ca.Function("both", [x, v], [ca.horzcat(value, ca.jacobian(value, ca.vertcat(x, v)))])

@@ -186,7 +186,7 @@ def test_a_row_replaces_the_built_in_connection_of_its_name_and_its_values() -> 
 
 
 def test_a_row_of_each_bogie_joins_the_wheelsets_of_both() -> None:
-    """The place along is that of the axle, or counts from the middle of the bogie; six axles have middle ones."""
+    """The place along is that of the axle, or ahead of the middle of the bogie; six axles have middle ones."""
     row = {"upper": "frame", "lower": "middle_wheelset", "name": "link"}
     six = {"tare": "120 t", "axles": 6, "wheel_base": "1.8 m", "pivot_distance": "11 m", "length": "20 m"}
     for along, ahead in ((None, 0.0), ("-0.4 m", -0.4)):

@@ -118,6 +118,7 @@ def with_law(force: Callable[..., Any], *sizes: float) -> Vehicle:
 
 FAULTS: list[tuple[Callable[..., Any], str]] = [
     (lambda x, v: max(x, v), "force must return a CasADi expression of travel, rate and 0 sizes; it failed:"),
+    (lambda x, v: ca.SX.sym("other") * v, "rate and its sizes; got other too. Make it a size."),
     (lambda x: x, "it failed: <lambda>() takes 1 positional argument but 2 were given. Write ca.if_else"),
     (lambda x, v: ca.vertcat(x, v), "force must return one number [N]; got 2. Return the force alone."),
     (lambda x, v: 5.0 + v, "added: force must be 0 at rest; got 5 N at travel 0 and rate 0. Subtract it."),
