@@ -38,7 +38,7 @@ from readers.usual import SOFTEST
 class Kind:
     """A kind of connection. Its entries are the fields of its class: a word, a number, or a list of numbers.
 
-    optional: entries that a row may lack. If all may, one of them must be above 0.
+    optional: entries that a row may lack. If it may lack all of FORCES, one of them must be above 0.
     """
 
     part: type[SuspensionElement]
@@ -64,6 +64,8 @@ class Kind:
         return [*self.words, *self.numbers]
 
 
+#: Entries without which springs have no force.
+FORCES = ("stiffness", "damping")
 #: Entries that are words.
 WORDS = {"direction": DIRECTIONS, "angle": ANGLES}
 STIFFNESS = Quantity("stiffness", "N/m", 0.0, 1e11, "of the spring", above_0=SOFTEST)
@@ -80,8 +82,9 @@ KINDS: Mapping[str, Kind] = {
         by_name(
             replace(STIFFNESS, text="along, across and up; a vertical one carries its share of the weight"),
             replace(DAMPING, text="along, across and up"),
+            Quantity("inclination", "rad", -1.6, 1.6, "pitch of these axes, positive nose down (default: 0)"),
         ),
-        ("stiffness", "damping"),
+        ("stiffness", "damping", "inclination"),
     ),
     "torsion": Kind(
         Torsion,
@@ -227,8 +230,8 @@ def _row(
     law = {key: _law(kind, key, content[key], where) for key in kind.entries if key in content}
     ends, is_in_each_bogie = _ends(content, known, where)
     fault = fault_of(kind.part(name, *ends, (0.0, 0.0, 0.0), False, **law))
-    if {*kind.numbers} == {*kind.optional} and not any(np.any(law.get(key, 0.0)) for key in kind.optional):
-        fault = f"{' or '.join(kind.optional)} must be above 0; got none. Give one, or remove the row."
+    if {*FORCES} <= {*kind.optional} and not any(np.any(law.get(key, 0.0)) for key in FORCES):
+        fault = f"{' or '.join(FORCES)} must be above 0; got none. Give one, or remove the row."
     if fault:
         raise ValueError(f"{where}{fault}")
     return ConnectionRow(table, name, content["kind"], *ends, is_in_each_bogie, place, law, dict(entries))

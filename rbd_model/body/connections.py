@@ -18,7 +18,7 @@ import numpy as np
 
 from fmu_src.piecewise import interpolation, look_up, polynomials
 from rbd_model.body.effect import Effect, along, sum_of
-from rbd_model.body.kinematics import axis_of
+from rbd_model.body.kinematics import axis_of, pitch_rotation
 from rbd_model.body.relation import Relation, Stretch
 from rbd_model.vehicle.assembly import Assembly, Sizes
 from rbd_model.vehicle.description import (
@@ -74,11 +74,16 @@ def springs(sizes: Sizes, connection: Springs, relation: Relation) -> Effect:
         for three in (connection.stiffness, connection.damping)
     )
 
+    turned = ca.SX.eye(3)
+    if connection.inclination != 0.0:
+        turned = pitch_rotation(ca.SX(sizes.value(connection.inclination)))
+
     def spring(stretch: Stretch, carried: ca.SX, count: int) -> Effect:
         weight = ca.vertcat(0, 0, carried)
-        pull = count * (stiffness * stretch.way + damping * stretch.rate - weight)
-        potential = count * (ca.dot(stiffness, stretch.way**2) / 2 - ca.dot(weight, stretch.way))
-        return Effect.of(relation, stretch, pull, potential, count * ca.dot(damping, stretch.rate**2))
+        way, rate = turned.T @ stretch.way, turned.T @ stretch.rate
+        pull = count * (turned @ (stiffness * way + damping * rate) - weight)
+        potential = count * (ca.dot(stiffness, way**2) / 2 - ca.dot(weight, stretch.way))
+        return Effect.of(relation, stretch, pull, potential, count * ca.dot(damping, rate**2))
 
     carried = [sizes.preload(side) if connection.carries else ca.SX(0) for side, _ in connection.sides()]
     along, across, upwards = connection.place

@@ -219,9 +219,9 @@ class SuspensionElement:
 
 @dataclass(frozen=True)
 class Springs(SuspensionElement):
-    """Linear springs and dampers, each along one direction of the track.
+    """Linear springs and dampers, each along one direction of the track, or of axes that are inclined to it.
 
-    An element with a vertical stiffness carries its share of the weight that rests on it.
+    An element with a vertical stiffness carries its share of the weight that rests on it, and is not inclined.
 
     Parameters
     ----------
@@ -231,10 +231,13 @@ class Springs(SuspensionElement):
         Stiffness along x, y, z [N/m].
     damping : tuple of Size
         Damping along x, y, z [N.s/m].
+    inclination : Size
+        Pitch of these axes, positive nose down [rad]: a guiding arm that rises backwards has one above 0.
     """
 
     stiffness: tuple[Size, Size, Size] = (0.0, 0.0, 0.0)
     damping: tuple[Size, Size, Size] = (0.0, 0.0, 0.0)
+    inclination: Size = 0.0
 
     @property
     def carries(self) -> bool:
@@ -672,8 +675,10 @@ def _check_law(vehicle: Vehicle, connection: SuspensionElement) -> None:
 
 
 def fault_of(connection: SuspensionElement) -> str:
-    """Return what is wrong with the points of a connection, or an empty text."""
+    """Return what is wrong with the values of a connection, or an empty text."""
     fault = ""
+    if isinstance(connection, Springs) and connection.carries and connection.inclination != 0.0:
+        fault = "inclination must be left out with a vertical stiffness, which carries weight; got both. Take two rows."
     if isinstance(connection, TableSpring):
         fault = spring_fault(connection.travel, connection.force, False)
         fault = fault or spring_fault(connection.travel, connection.force, connection.carries)

@@ -58,13 +58,16 @@ def gz18() -> bb.parts.Vehicle:
                     middle + along, frame, 1836.0, (1063.0, 1650.0, 1078.0), (radius, radius), synthetic_pair()
                 )
             )
-            ends, arm = (frame, f"wheelset_{len(wheelsets)}"), np.sign(along) * 0.77
+            ends, side = (frame, f"wheelset_{len(wheelsets)}"), np.sign(along)
             connections += [
                 parts.Springs(
                     *(f"{bogie}_{place}_primary", *ends, (middle + along, 1.0, 0.0), True),
                     *((0.0, 0.0, 1.4e6), (0.0, 0.0, 10e3)),
                 ),
-                parts.Springs(f"{bogie}_{place}_bushes", *ends, (middle + arm, 1.055, 0.0), True, (17e6, 9e6, 0.0)),
+                parts.Springs(
+                    *(f"{bogie}_{place}_bushes", *ends, (middle + side * 0.77, 1.055, 0.0135), True),
+                    *((17e6, 9e6, 0.0), (0.0, 0.0, 0.0), side * 28.12e-3),
+                ),
             ]
     pulls = bb.vehicle("coach").pulls
     numbers = replace(coach_with_traction_rods(), gravity=9.80665, coupler_distance=19.0, coupler_height=0.3)
@@ -152,6 +155,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     (damper(capacity=1), ROW + "'capacity' is not a known entry."),
     (damper(**SPRING | {"stiffness": [1e6]}), ROW + "stiffness must be a list of 3 numbers; got [1000000.0]."),
     (damper(**SPRING | {"stiffness": [0, 0, 0]}), ROW + "stiffness or damping must be above 0; got none."),
+    (damper(**SPRING | {"stiffness": [1e6, 0, 1e6], "inclination": 0.1}), ROW + "inclination must be left out with a"),
     ({"connection": damper()["connection"] * 2}, "[[connection]] front_damper must be there once; got it 2 times."),
     ({"connection": 7}, "connection must be in rows; got 7. Write [[connection]] and its entries below it."),
     ({"connections": "files"}, "connections must be one of built-in, file; got files. Did you mean file?"),

@@ -50,6 +50,7 @@ def own_force(travel: ca.SX, rate: ca.SX, stiffness: ca.SX, radius: ca.SX) -> ca
 LAWS = {
     "springs": (Springs, {"stiffness": (3e6, 2e6, 1e6), "damping": (3e4, 2e4, 1e4)}),
     "one_spring": (Springs, {"both_sides": False, "stiffness": (0.0, 2e6, 0.0), "damping": (0.0, 0.0, 1e4)}),
+    "inclined": (Springs, {"stiffness": (3e6, 2e6, 0.0), "damping": (3e4, 0.0, 0.0), "inclination": 0.3}),
     "traction_rod": (Springs, {"both_sides": False, "stiffness": (5e6, 0.0, 0.0), "damping": (25e3, 0.0, 0.0)}),
     "roll": (Torsion, {"angle": "roll", "stiffness": 1e6, "damping": 1e4}),
     "pitch": (Torsion, {"angle": "pitch", "stiffness": 1e6, "damping": 1e4}),

@@ -67,6 +67,8 @@ def everything() -> Vehicle:
         Springs("behind", **ends[0], place=(-0.5, 0.6, 1.0), both_sides=True, stiffness=stiff, damping=soft),
         Springs("link", **boxed, place=(-0.4, 0.7, 0.3), both_sides=True, stiffness=(1e6, 2e6, 0.0), damping=soft),
     ]
+    inclined = {"stiffness": (1e6, 2e6, 0.0), "damping": soft, "inclination": 0.3}
+    connections.append(Springs("arm", **ends[1], place=(-0.4, 0.7, 0.1), both_sides=True, **inclined))
     # Its mean slope is the stiffness of the springs beside it, so that all carry the same.
     under = {"travel": (0.0, 0.05, 0.1), "force": (0.0, 2e4, 1e5)}
     connections.append(TableSpring("progressive", **ends[0], place=(0.0, 0.6, 1.0), both_sides=True, **under))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -160,6 +161,7 @@ def wrenches(
         stretch = between(number(*place), ends, carriers)
         if isinstance(connection, Springs):
             law = beside_a_damper(number(*connection.stiffness), number(*connection.damping), preload)
+            stretch = tilted(stretch, float(number(connection.inclination)[0]))
         elif isinstance(connection, TableSpring):
             law = along_a_table(connection, preload)
         elif isinstance(connection, TableDamper):
@@ -176,6 +178,13 @@ def wrenches(
             stretch = component(stretch, DIRECTIONS.index(connection.direction))
         total += wrenches_of(stretch, law, ends, step)
     return total
+
+
+def tilted(stretch: Stretch, angle: float) -> Stretch:
+    """Return elongations along axes that are pitched by an angle, nose down [rad]."""
+    ahead, up = np.array([math.cos(angle), 0.0, -math.sin(angle)]), np.array([math.sin(angle), 0.0, math.cos(angle)])
+    axes = np.array([ahead, [0.0, 1.0, 0.0], up])
+    return lambda upper, lower: axes @ stretch(upper, lower)
 
 
 def component(stretch: Stretch, which: int) -> Stretch:
