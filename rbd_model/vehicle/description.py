@@ -759,9 +759,10 @@ def _check_supports(vehicle: Vehicle) -> None:
     while waiting:
         carried = [b for b in waiting if any(c.upper == b.name and c.lower in resting for c in vehicle.carrying)]
         if not carried:
+            hung = [body for body in waiting if all(c.upper != body.name for c in vehicle.carrying)]
             sentence = (
-                f"nothing carries {waiting[0].name}; give it a connection with a vertical stiffness whose upper end it "
-                "is, and whose lower end rests on a wheelset"
+                f"nothing carries {(hung or waiting)[0].name}; give it a connection with a vertical stiffness whose "
+                "upper end it is, and whose lower end rests on a wheelset"
             )
             raise _refused(vehicle, sentence)
         for body in carried:

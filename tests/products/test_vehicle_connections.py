@@ -135,6 +135,11 @@ def body(**more: object) -> dict[str, Any]:
     return {"body": [{key: value for key, value in row.items() if value is not None}]}
 
 
+def carried_by_frames() -> dict[str, Any]:
+    springs = {"kind": "springs", "direction": None, "stiffness": [1e6, 1e6, 1e6], "half_spacing": 1.0}
+    return damper(**springs, damping=None)
+
+
 ROW = "[[connection]] damper: "
 SPRING = {"kind": "springs", "direction": None, "stiffness": [1e6, 1e6, 0], "damping": None}
 REFUSED: list[tuple[dict[str, Any], str]] = [
@@ -160,6 +165,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"connection": 7}, "connection must be in rows; got 7. Write [[connection]] and its entries below it."),
     ({"connections": "files"}, "connections must be one of built-in, file; got files. Did you mean file?"),
     ({"connections": "file"}, "nothing carries body; give it a connection with a vertical stiffness"),
+    ({"connections": "file"} | carried_by_frames(), "nothing carries front_frame; give it a connection with a"),
     (body(), "nothing carries motor; give it a connection with a vertical stiffness"),
     (body(name="frame"), "[[body]] frame: name must differ from that of a built-in part. Rename it."),
     (body(mass=None), "[[body]] motor: mass must be given; got none. Add it."),
