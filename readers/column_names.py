@@ -7,10 +7,12 @@ import re
 from collections.abc import Collection, Sequence
 
 from readers.columns import Column, Place, TableError, unit_factor
-from readers.text import BLANK, quoted, shown
+from readers.text import BLANK, LONGEST_ROW, quoted, shown
 
 #: The most names of columns that a message lists.
 MOST_NAMES = 20
+#: Further columns whose cells may be anything, as they are not used.
+TEXT = "text"
 #: A name with its unit in square brackets, and a name with or without its unit in round ones.
 HEAD_SQUARE = re.compile(r"(?P<name>[^\[\]]+)\[(?P<unit>[^\[\]]*)\]")
 HEAD_ROUND = re.compile(r"(?P<name>[^\[\]()]+)(\((?P<unit>[^()]*)\))?")
@@ -37,9 +39,9 @@ def columns_in_order(place: str, columns: Sequence[Column], units: Sequence[str]
 
 
 def layout_of(
-    place: str, cells: Sequence[str], columns: Sequence[Column], others: bool, by_position: bool
+    place: str, cells: Sequence[str], columns: Sequence[Column], others: bool | str, by_position: bool
 ) -> list[Place]:
-    """Return the columns of a file by its row of names."""
+    """Return the columns of a file by its row of names; others: whether it may have further ones, or TEXT."""
     known = {tidy(column.name): column for column in columns}
     parts = [(at, *name_and_unit(cell, place)) for at, cell in enumerate(cells) if cell]
     if by_position and not any(tidy(name) in known for _, name, _ in parts):
@@ -49,6 +51,8 @@ def layout_of(
         column = known.get(tidy(name))
         if column is None and not others:
             raise TableError(f"{place}: the column {quoted(name)} is unknown. {advice(name, known, columns)}")
+        if column is None and others == TEXT:
+            column, unit = Column(name, filled=False, text=True, longest=LONGEST_ROW), ""
         column = column or Column(name, unit or "1")
         if tidy(column.name) in found:
             raise TableError(

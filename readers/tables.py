@@ -101,7 +101,7 @@ def read_table(
     path: str | Path,
     columns: Sequence[Column],
     *,
-    others: bool = False,
+    others: bool | str = False,
     by_position: bool = False,
     most_rows: int = MOST_ROWS,
 ) -> Table:
@@ -114,7 +114,7 @@ def table_of(
     source: str,
     columns: Sequence[Column],
     *,
-    others: bool = False,
+    others: bool | str = False,
     by_position: bool = False,
     most_rows: int = MOST_ROWS,
 ) -> Table:

@@ -99,7 +99,11 @@ def xml_of(path: str | Path, largest: int = LARGEST) -> ET.Element:
 
     Takes largest [bytes].
     """
-    text = text_of(path, largest)
+    return xml_in(text_of(path, largest), path)
+
+
+def xml_in(text: str, path: str | Path) -> ET.Element:
+    """Return the root of an XML text as `xml_of` does; path: its name in messages."""
     builder = _Builder()
     parser = expat.ParserCreate("utf-8", SEPARATOR)
     parser.buffer_text = True
@@ -117,6 +121,11 @@ def xml_of(path: str | Path, largest: int = LARGEST) -> ET.Element:
     except _XmlLimitError as error:
         raise FileError(f"{path} must {error}") from None
     return builder.tree.close()
+
+
+def child_text(element: ET.Element, name: str) -> str:
+    """Return the text of the first child of a name, "" if it is missing."""
+    return (element.findtext(name) or "").strip()
 
 
 def inside(element: ET.Element, *names: str) -> Iterator[ET.Element]:

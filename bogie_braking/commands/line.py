@@ -13,14 +13,18 @@ from readers.command_line import check_folder, check_out, make_folder_of, quanti
 from readers.storage import write_whole, writing
 from readers.text import BadInputError, FileError
 
-ABOUT = """Check a line and draw it, or make a line of points, of tables of a survey, or of files of other programs.
+ABOUT = """Check a line and draw it, or make a line of points, surveys, maps, receivers or other programs' files.
 
   bogie-braking line check line.csv --speed 120km/h              numbers, and a picture in results/line.png
   bogie-braking line import points.csv --out line.csv            points: x, y, z or latitude, longitude
   bogie-braking line import elements.csv --profile profile.csv   straights, transitions, arcs; points of the profile
+  bogie-braking line import ride.gpx --out line.csv              GPX, KML, KMZ, GeoJSON, Overpass JSON, .osm
   bogie-braking line import infra.json --tracks TA0 TA6          tracks of OSRD, railML, LandXML or ALTRIOS
 """
-FILE = "a line, points, elements, or a file of OSRD (.json), ALTRIOS (.yaml), railML or LandXML (.xml)"
+FILE = (
+    "a line, points, elements, a map or track of a receiver (.gpx, .kml, .kmz, .geojson, .osm, .json of Overpass), "
+    "or a file of OSRD (.json), ALTRIOS (.yaml), railML or LandXML (.xml)"
+)
 #: Speed of the cant deficiency if none is given [m/s].
 SPEED = 100 / 3.6
 
@@ -50,11 +54,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_options(action: argparse.ArgumentParser) -> None:
     text = "for elements: table with chainage, height, radius of the vertical curve"
     action.add_argument("--profile", type=Path, metavar="FILE", help=text)
-    text = "for elements and points: distance at the start [m] (default: that of the profile, or 0)"
+    text = "for elements, points and maps: distance at the start [m] (default: that of the profile, or 0)"
     action.add_argument("--start", type=quantity("--start", "m", -1e7, 1e7), metavar="DISTANCE", help=text)
-    text = "for points: standard deviation of a point, as 5mm (default: estimated)"
-    action.add_argument("--noise", type=quantity("--noise", "m", 0.0, 1.0, above=True), metavar="LENGTH", help=text)
-    text = "for other programs: tracks of the route in their order, - behind one that is run backwards"
+    text = "for points and maps: standard deviation of a point, as 5mm (default: estimated)"
+    action.add_argument("--noise", type=quantity("--noise", "m", 0.0, 20.0, above=True), metavar="LENGTH", help=text)
+    text = (
+        "for other programs: tracks of the route in their order, - behind one that is run backwards; for maps: first "
+        "and last way, between them the shortest route"
+    )
     action.add_argument("--tracks", nargs="+", action="extend", default=[], metavar="NAME", help=text)
     action.add_argument("--mirror", action="store_true", help="exchange left and right")
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, plt, titled, widen
 from rbd_model.track.line import FRICTIONS, Line
 from rbd_model.track.line_check import AdhesionCheck, LineCheck, deficiency_of
-from rbd_model.track.line_points import LineFromPoints
+from rbd_model.track.line_points import LineFromPoints, length_of
 
 #: Colours in curves to the left, on straight track, in curves to the right. A curve is steeper than a third of the
 #: largest curvature.
@@ -187,6 +187,4 @@ def figure_of_points(line: LineFromPoints) -> Figure:
     aside.plot(chords, 1e3 * line.aside, ".", color=TRAILING, markersize=3)
     aside.set_title("points beside the line, to the left [mm]")
     aside.set_xlabel("distance along the line [m]")
-    return titled(
-        figure, f"Noise of {1e3 * line.noise:.2g} mm leaves the curvature uncertain by {error.max():.2g} 1/km"
-    )
+    return titled(figure, f"Noise of {length_of(line.noise)} leaves the curvature uncertain by {error.max():.2g} 1/km")

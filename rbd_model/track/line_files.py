@@ -9,21 +9,24 @@ from pathlib import Path
 from rbd_model.track.line import Line, read_line
 from rbd_model.track.line_elements import line_from_elements
 from rbd_model.track.line_pieces import SourcedLine, line_of_alignment
-from rbd_model.track.line_points import line_from_points
+from rbd_model.track.line_points import line_from_points, line_of_course
+from rbd_model.track.point_files import NAMES
 from readers.formats.lines import is_foreign_line, read_foreign_line
+from readers.formats.maps import read_map
 from readers.import_account import Account
 from readers.tables import names_of
 from readers.text import BadInputError
 
 #: Columns by which a table is one of elements, or of points; every other table is a line.
-OF_ELEMENTS, OF_POINTS = {"type", "length"}, {"x", "y", "easting", "northing", "latitude", "longitude"}
+OF_ELEMENTS = {"type", "length"}
 ELEMENTS, POINTS, FOREIGN, LINE = "elements", "points", "a file of another program", "a line"
+MAP = "a map or a track of a receiver"
 #: Options, and the kinds of file that they belong to.
 OPTIONS = {
     "profile": (ELEMENTS,),
-    "start": (ELEMENTS, POINTS),
-    "noise": (POINTS,),
-    "tracks": (FOREIGN,),
+    "start": (ELEMENTS, POINTS, MAP),
+    "noise": (POINTS, MAP),
+    "tracks": (FOREIGN, MAP),
 }
 
 
@@ -32,7 +35,7 @@ def kind_of(path: Path) -> str:
     if is_foreign_line(path):
         return FOREIGN
     names = set(names_of(path))
-    return ELEMENTS if names >= OF_ELEMENTS else POINTS if names & OF_POINTS else LINE
+    return ELEMENTS if names >= OF_ELEMENTS else POINTS if names & NAMES else LINE
 
 
 def line_from_file(
@@ -44,20 +47,21 @@ def line_from_file(
     tracks: Sequence[str] = (),
     mirror: bool = False,
 ) -> Line:
-    """Return the line in a file: a line, points, elements, or an infrastructure of OSRD, railML, LandXML or ALTRIOS.
+    """Return the line in a file: a line, points, elements, a map, or an infrastructure of another program.
 
     Parameters
     ----------
     path : str or Path
-        The file.
+        The file: a table; OSRD, railML, LandXML, ALTRIOS; GPX, KML, KMZ, GeoJSON, JSON of Overpass, XML of
+        OpenStreetMap.
     profile : str or Path, optional
         Table of the vertical profile, for elements.
     start : float, optional
-        Distance at the start [m], for elements and points.
+        Distance at the start [m], for elements, points and maps.
     noise : float, optional
-        Standard deviation of a point [m], for points.
+        Standard deviation of a point [m], for points and maps.
     tracks : sequence of str
-        Tracks of the route, for files of other programs; `-` behind one that is run backwards.
+        Tracks of the route, for files of other programs and maps; `-` behind one that is run backwards.
     mirror : bool
         Whether left and right are exchanged.
 
@@ -74,7 +78,8 @@ def line_from_file(
         If the file cannot be read.
     """
     path = Path(path)
-    kind = kind_of(path)
+    course = read_map(path, tracks)
+    kind = MAP if course else kind_of(path)
     given = {"profile": profile, "start": start, "noise": noise, "tracks": tracks or None}
     for name, kinds in OPTIONS.items():
         if given[name] is not None and kind not in kinds:
@@ -84,6 +89,8 @@ def line_from_file(
         line = line_from_elements(path, profile, start)
     elif kind == POINTS:
         line = line_from_points(path, noise, start or 0.0)
+    elif course:
+        line = line_of_course(course, noise, start or 0.0)
     elif kind == FOREIGN:
         line = line_of_alignment(read_foreign_line(path, tracks))
     else:

@@ -13,6 +13,7 @@ g(4) = g(5) = 0 at the end.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,8 +23,10 @@ from scipy.ndimage import maximum_filter1d
 
 from rbd_model.track.line_pieces import SourcedLine, sums
 from rbd_model.track.line_rows import COLUMNS
-from rbd_model.track.point_files import Points, points_of
+from rbd_model.track.point_files import SAME, Points, points_of, points_of_course
 from rbd_model.track.smoothing import Smooth, smooth
+from readers.formats.line_tracks import LISTED
+from readers.formats.ways import Course
 from readers.import_account import Account
 from readers.text import BadInputError
 
@@ -38,6 +41,14 @@ BESIDE, NEAR = 2.5, 2.0
 RESOLVED = 0.7
 #: Limits of the distance of knots and of rows [m]; rows in a reach.
 LEAST_PITCH, NEAREST, FARTHEST, ROWS = 1.0, 1.0, 5.0, 3.0
+#: Error of the noise's share that a map or receiver has at least [m]; limits of the reach there, in plan and height,
+#: lengths over which heights may be correlated [m], and factor on the bias. They are chosen with synthetic lines whose
+#: curvature is known (tests/rbd_model/test_maps.py).
+LEAST_NOISE, LONGEST_REACH, LONGEST_OF_HEIGHTS, ALIKE, BIAS_FACTOR = 0.3, 80.0, 400.0, (0.0, 1000.0), 2.0
+#: Least distance of knots of heights, as a part of their reach. Gradient that is rarely exceeded. Largest noise [m].
+KNOTS, STEEP, LARGEST_NOISE = 40.0, 0.07, 20.0
+#: Length from which texts have metres instead of millimetres [m].
+CENTIMETRES = 0.0995
 #: Times that places of points are corrected by the curve.
 ROUNDS = 3
 #: Times the noise from which a point is named as an outlier. Ratio of residuals to a given noise that is told.
@@ -60,6 +71,8 @@ class LineFromPoints(SourcedLine):
         Distance of each point from the line, to the left [m].
     points : array, shape (points, 2)
         The points in plan [m].
+    speed_limits : list of (float, float, float)
+        First and last distance [m] and limit [m/s] of stretches where a map states `maxspeed`.
     """
 
     curvature_error: Numbers = field(default_factory=lambda: np.zeros(0), repr=False)
@@ -67,20 +80,26 @@ class LineFromPoints(SourcedLine):
     noise: float = 0.0
     aside: Numbers = field(default_factory=lambda: np.zeros(0), repr=False)
     points: Numbers = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+    speed_limits: Sequence[tuple[float, float, float]] = field(default=(), repr=False)
 
 
-def line_from_points(points: str | Path | ArrayLike, noise: float | None = None, start: float = 0.0) -> LineFromPoints:
+def line_from_points(
+    points: str | Path | ArrayLike, noise: float | None = None, start: float = 0.0, tracks: Sequence[str] = ()
+) -> LineFromPoints:
     """Return the line through points of its centre.
 
     Parameters
     ----------
     points : path or array, shape (n, 2) or (n, 3)
         A table with the columns x and y, and if known z, in a unit of length; or latitude and longitude in degrees;
-        or the numbers [m]. x is to the east and y to the north, so that a curve to the left is anticlockwise.
+        or the numbers [m]. x is to the east and y to the north, so that a curve to the left is anticlockwise. Or a file
+        of a map or receiver: GPX, KML, KMZ, GeoJSON, JSON of Overpass, XML of OpenStreetMap.
     noise : float, optional
         Standard deviation of a point in one direction [m]. By default it is estimated by generalised cross validation.
     start : float
         Distance at the first point [m].
+    tracks : sequence of str
+        Tracks of a receiver, or ways of a map in the order of the route, `-` behind one that is run backwards.
 
     Returns
     -------
@@ -92,36 +111,132 @@ def line_from_points(points: str | Path | ArrayLike, noise: float | None = None,
     BadInputError, FileError
         If the points are not a line (points that turn back, degrees, kilometres), or a curve is tighter than 50 m.
     """
-    if noise is not None and not (isinstance(noise, int | float) and 0.0 < noise <= 1.0):
-        raise BadInputError(f"noise must be above 0 and at most 1 m; got {noise!r}. Give the deviation of a point.")
-    return _line(points_of(points), noise, start)
+    check_noise(noise)
+    return _line(points_of(points, tracks), noise, start)
+
+
+def line_of_course(course: Course, noise: float | None = None, start: float = 0.0) -> LineFromPoints:
+    """Return the line through the points of a map or receiver, as `line_from_points` does."""
+    check_noise(noise)
+    return _line(points_of_course(course), noise, start)
+
+
+def check_noise(noise: float | None) -> None:
+    """Check a standard deviation [m]. Raises BadInputError."""
+    if noise is not None and not (isinstance(noise, int | float) and 0.0 < noise <= LARGEST_NOISE):
+        raise BadInputError(
+            f"noise must be above 0 and at most {LARGEST_NOISE:g} m; got {noise!r}. Give the deviation of a point."
+        )
 
 
 def _line(given: Points, noise: float | None, start: float) -> LineFromPoints:
-    way, plan = _plan(given, noise)
+    given, way, plan = _followed(given, noise)
     course, length = _rows_of(plan)
     bend = _curvature(plan, course)
     reach = max(plan.reach, RESOLVED * plan.pitch, float(length[1]))
-    error = SIGMAS * plan.deviation(course, 2) + BIAS * reach * _corner(length, bend, reach)
+    least = LEAST_NOISE / max(plan.noise, 1e-9) if given.rough and noise is None else 1.0
+    error = SIGMAS * max(1.0, least) * plan.deviation(course, 2) + _bias(given) * reach * _corner(length, bend, reach)
     error += _ends(length, bend, reach)
-    account = Account(list(given.taken), list(given.converted), list(given.left), list(given.assumed))
+    account = given.account
     _tell_plan(account, plan, noise, error)
     slope, steepness = np.zeros_like(bend), np.full_like(bend, math.inf)
     if given.height is not None:
-        slope, steepness = _gradient(way, given.height, plan, length, account)
+        slope, steepness = _gradient(way, given, plan, length, account)
     else:
-        account.assumed.append("the gradient is 0: the points have no heights")
+        slope = _stated(way, given, length)
+        account.assumed.append(_level(slope, given))
     account.assumed.append("the cant is 0: points of the centre do not have it")
     along = np.sqrt(1.0 + slope**2)
     steps = np.diff(length) * (along[1:] + along[:-1]) / 2.0
     rows = {"distance": start + np.concatenate([[0.0], np.cumsum(steps)]), "curvature": bend / along}
     rows |= {"cant": np.zeros_like(bend), "gradient": slope / along}
     _check(rows, given.source)
+    if given.rough:
+        _tell_resolved(account, rows, error, steepness)
     aside = _aside(plan, way, given)
     _tell_outliers(account, given, aside, plan.noise)
-    line = LineFromPoints(rows, account, error, steepness, plan.noise, aside, given.plan)
+    limits = _limits(way, given, length, rows["distance"], account)
+    line = LineFromPoints(rows, account, error, steepness, plan.noise, aside, given.plan, limits)
     account.converted += sums(line)
     return line
+
+
+def _bias(given: Points) -> float:
+    return BIAS * (BIAS_FACTOR if given.rough else 1.0)
+
+
+def _followed(given: Points, noise: float | None) -> tuple[Points, Numbers, Smooth]:
+    """Return points, the length at each and the plan; without points of a receiver that lie far beside the line."""
+    count = given.places.size
+    for _ in range(ROUNDS):
+        way, plan = _plan(given, noise)
+        far = np.abs(_aside(plan, way, given)) > OUTLIER * max(plan.noise, LEAST_NOISE)
+        if not given.recorded or not np.any(far):
+            break
+        worst = int(given.places[np.argmax(np.abs(_aside(plan, way, given)))])
+        given = given.kept(~far)
+    if left := count - given.places.size:
+        given.account.assumed.append(
+            f"points beyond {OUTLIER:g} times the noise beside the line are left out: {left}, point {worst} among them"
+        )
+        way, plan = _plan(given, noise)
+    return given, way, plan
+
+
+def _at(way: Numbers, given: Points, place: int) -> float:
+    """Return the length at a point of the file [m]."""
+    return float(np.interp(place, given.places, way))
+
+
+def _stated(way: Numbers, given: Points, length: Numbers) -> Numbers:
+    """Return the gradient that a map states, 0 where it states none."""
+    slope = np.zeros_like(length)
+    for first, last, gradient, _ in given.stretches:
+        if gradient is not None:
+            slope[(length >= _at(way, given, first)) & (length <= _at(way, given, last))] = gradient
+    return slope
+
+
+def _level(slope: Numbers, given: Points) -> str:
+    """Return the sentence on a line without heights."""
+    if not any(gradient is not None for *_, gradient, _ in given.stretches):
+        return "the gradient is 0: the points have no heights"
+    share = 100.0 * float(np.mean(slope != 0.0))
+    return f"the gradient is that of the tags incline, on {share:.3g} % of the line, and 0 elsewhere: no heights"
+
+
+def _limits(
+    way: Numbers, given: Points, length: Numbers, distance: Numbers, account: Account
+) -> list[tuple[float, float, float]]:
+    """Return stretches [m] with the limit of speed that a map states [m/s], equal ones joined."""
+    found: list[tuple[float, float, float]] = []
+    for first, last, _, speed in given.stretches:
+        if speed is not None:
+            begin, end = (float(np.interp(_at(way, given, one), length, distance)) for one in (first, last))
+            if found and found[-1][2] == speed and begin - found[-1][1] < FARTHEST:
+                begin = found.pop()[0]
+            found.append((begin, end, speed))
+    if found:
+        told = ", ".join(f"{3.6 * one:.4g} km/h from {begin:.0f} to {end:.0f} m" for begin, end, one in found[:LISTED])
+        more = f" and {len(found) - LISTED} more" if len(found) > LISTED else ""
+        account.taken.append(f"maxspeed, as speed_limits of the line: {told}{more}")
+    return found
+
+
+def _tell_resolved(account: Account, rows: dict[str, Numbers], error: Numbers, steepness: Numbers) -> None:
+    """Add what noisy points do not resolve, and gradients that hint at another unit."""
+    account.assumed.append(
+        f"radii above {1.0 / np.median(error):.0f} m are within the error at half of the rows, "
+        f"{1.0 / error.max():.0f} m everywhere: such curves may be straight"
+    )
+    bound, steepest = float(np.median(steepness)), float(np.max(np.abs(rows["gradient"])))
+    if math.isfinite(bound) and bound > steepest / 2.0:
+        account.assumed.append(
+            f"the gradient is not resolved: its error is up to {1e3 * bound:.2g} per mille at half of the rows, and "
+            f"the steepest gradient {1e3 * steepest:.2g} per mille"
+        )
+    if np.any(np.abs(rows["gradient"]) - steepness > STEEP) and math.isfinite(bound):
+        account.assumed.append(f"gradients reach {1e3 * steepest:.3g} per mille: check that heights are in metres")
 
 
 def _plan(given: Points, noise: float | None) -> tuple[Numbers, Smooth]:
@@ -132,20 +247,24 @@ def _plan(given: Points, noise: float | None) -> tuple[Numbers, Smooth]:
     ways = np.hypot(*np.diff(given.plan, axis=0).T)
     way = np.concatenate([[0.0], np.cumsum(ways)])
     pitch = max(float(np.percentile(ways, 20)), LEAST_PITCH)
+    most = LONGEST_REACH if given.rough else math.inf
     for _ in range(ROUNDS):
-        plan = smooth(way, given.plan, pitch, noise)
+        plan = smooth(way, given.plan, pitch, noise, most=most)
         course, length = _rows_of(plan)
         along = plan.spline(way, 1)
         foot = way + np.sum((given.plan - plan.spline(way)) * along, axis=1) / np.sum(along**2, axis=1)
         way = np.interp(foot, course, length) + np.minimum(foot, 0.0) + np.maximum(foot - course[-1], 0.0)
+        if given.recorded:  # noise along the track: the order of the points is that of time
+            least = SAME * np.arange(way.size)
+            way = np.maximum.accumulate(np.sort(way) - least) + least
         if not np.all(np.diff(way) > 0.0):
             row = int(given.places[1 + np.flatnonzero(np.diff(way) <= 0.0)[0]])
             raise BadInputError(
-                f"{given.source}, row {row}: points must follow the line; got one behind the one before. Sort the "
-                "points, or leave out some that are closer than their noise."
+                f"{given.source}, {given.word} {row}: points must follow the line; got one behind the one before. Sort "
+                "the points, or leave out some that are closer than their noise."
             )
         way -= way[0]
-    return way, smooth(way, given.plan, pitch, noise)
+    return way, smooth(way, given.plan, pitch, noise, most=most)
 
 
 def _rows_of(plan: Smooth) -> tuple[Numbers, Numbers]:
@@ -181,16 +300,21 @@ def _ends(length: Numbers, values: Numbers, reach: float) -> Numbers:
     return found
 
 
-def _gradient(
-    way: Numbers, height: Numbers, plan: Smooth, length: Numbers, account: Account
-) -> tuple[Numbers, Numbers]:
+def _gradient(way: Numbers, given: Points, plan: Smooth, length: Numbers, account: Account) -> tuple[Numbers, Numbers]:
     """Return the rise per metre of the plan at the rows, and the bound of its error."""
-    heights = smooth(way, height[:, None] - height[0], plan.pitch)
+    assert given.height is not None
+    rise = given.height[:, None] - given.height[0]
+    if given.rough:
+        pitch = max(plan.pitch, LONGEST_OF_HEIGHTS / KNOTS)
+        choices = [smooth(way, rise, pitch, None, alike, LONGEST_OF_HEIGHTS) for alike in ALIKE]
+        heights = min(choices, key=lambda one: one.misfit)
+    else:
+        heights = smooth(way, rise, plan.pitch)
     slope = heights.spline(length, 1)[:, 0]
     reach = max(heights.reach, RESOLVED * heights.pitch, float(length[1]))
-    error = SIGMAS * heights.deviation(length, 1) + BIAS * reach * _corner(length, slope, reach)
+    error = SIGMAS * heights.deviation(length, 1) + _bias(given) * reach * _corner(length, slope, reach)
     account.converted.append(
-        f"gradient: heights smoothed over {heights.reach:.1f} m, noise {1e3 * heights.noise:.2g} mm; its error is at "
+        f"gradient: heights smoothed over {heights.reach:.1f} m, noise {length_of(heights.noise)}; its error is at "
         f"most {1e3 * np.median(error):.2g} per mille at half of the rows, {1e3 * error.max():.2g} everywhere"
     )
     return slope, error
@@ -204,7 +328,7 @@ def _aside(plan: Smooth, way: Numbers, given: Points) -> Numbers:
 def _tell_plan(account: Account, plan: Smooth, noise: float | None, error: Numbers) -> None:
     origin = "estimated by generalised cross validation" if noise is None else "given"
     account.converted.append(
-        f"curvature: x and y smoothed over {plan.reach:.1f} m by a penalised spline, noise {1e3 * plan.noise:.2g} mm "
+        f"curvature: x and y smoothed over {plan.reach:.1f} m by a penalised spline, noise {length_of(plan.noise)} "
         f"({origin}); features shorter than {4.0 * max(plan.reach, RESOLVED * plan.pitch):.0f} m are blurred"
     )
     account.converted.append(
@@ -213,9 +337,14 @@ def _tell_plan(account: Account, plan: Smooth, noise: float | None, error: Numbe
     )
     if noise is not None and not 1.0 / MISMATCH <= plan.residual / noise <= MISMATCH:
         account.assumed.append(
-            f"the noise is {1e3 * noise:.3g} mm as given, although the points lie {1e3 * plan.residual:.3g} mm beside "
+            f"the noise is {length_of(noise)} as given, although the points lie {length_of(plan.residual)} beside "
             "the line"
         )
+
+
+def length_of(size: float) -> str:
+    """Return a small length [m] with its unit."""
+    return f"{1e3 * size:.2g} mm" if size < CENTIMETRES else f"{size:.2g} m"
 
 
 def _tell_outliers(account: Account, given: Points, aside: Numbers, noise: float) -> None:
@@ -224,7 +353,7 @@ def _tell_outliers(account: Account, given: Points, aside: Numbers, noise: float
         worst = int(np.argmax(np.abs(aside)))
         account.assumed.append(
             f"{far.size} points lie beyond {OUTLIER:g} times the noise beside the line and are used, the farthest in "
-            f"row {given.places[worst]}, {abs(aside[worst]):.3g} m: check it"
+            f"{given.word} {given.places[worst]}, {abs(aside[worst]):.3g} m: check it"
         )
 
 

@@ -1,32 +1,48 @@
-"""Points of a track's centre from a table or an array: checked, in metres, without repetitions."""
+"""Points of a track's centre from a table, a map, a receiver or an array: checked, in metres, without repetitions."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rbd_model.track.projection import transverse_mercator
+from rbd_model.track.projection import unrolled
+from readers.column_names import TEXT
 from readers.columns import Column
+from readers.formats.maps import read_map
+from readers.formats.osm_tags import gradient_in, speed_in, unread
+from readers.formats.ways import LATITUDE, LONGITUDE, Course
+from readers.import_account import Account
 from readers.tables import read_table
 from readers.text import BadInputError, FileError, shown
 
 Numbers = NDArray[np.float64]
 #: Fewest and most points, largest coordinate [m].
 FEWEST, MOST, FARTHEST = 8, 200_000, 1e8
-#: Points closer than this are one point [m]. Limits of the usual distance of points [m].
-SAME, CLOSEST, WIDEST = 1e-3, 0.01, 100.0
+#: Points closer than this are one point [m]. Limits of the usual distance of points [m], and of those in degrees.
+SAME, CLOSEST, WIDEST, WIDEST_IN_DEGREES = 1e-3, 0.01, 100.0, 1000.0
+#: Receivers that stand: so many points within a radius of their mean [m] are one.
+SEVERAL, RADIUS = 4, 20.0
+#: Distance of neighbours that are averaged where a receiver turns back [m], share of points that may be jumps, and
+#: passes: a halt of an hour takes 30.
+NEIGHBOURS, MOST_JUMPS, PASSES = 40.0, 0.01, 100
+#: Gap that is told: metres, and times the median distance.
+GAP, GAP_TIMES = 300.0, 10.0
+#: Names of both coordinates in plan, and of the height, each with others that people use.
+EAST, NORTH, HEIGHT = ("x", "easting"), ("y", "northing"), ("z", "height", "ele", "elevation", "alt", "altitude")
+LATITUDES = ("latitude", "lat", "breite", "breitengrad")
+LONGITUDES = ("longitude", "lon", "lng", "long", "laenge", "l\u00e4nge", "laengengrad", "l\u00e4ngengrad")
 COLUMNS = (
-    *(Column(name, "m", -FARTHEST, FARTHEST) for name in ("x", "y", "z", "easting", "northing", "height")),
-    Column("latitude", "deg", -84.0, 84.0),
-    Column("longitude", "deg", -180.0, 180.0),
+    *(Column(name, "m", -FARTHEST, FARTHEST) for name in (*EAST, *NORTH, *HEIGHT)),
+    *(Column(name, "deg", -LATITUDE, LATITUDE) for name in LATITUDES),
+    *(Column(name, "deg", -LONGITUDE, LONGITUDE) for name in LONGITUDES),
 )
 KNOWN = {column.name for column in COLUMNS}
-#: Names of both coordinates in plan, and of the height.
-PLANS, HEIGHTS = (("x", "y"), ("easting", "northing"), ("latitude", "longitude")), ("z", "height")
+#: Names that make a table one of points.
+NAMES = KNOWN - set(HEIGHT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,24 +59,41 @@ class Points:
         Height [m].
     places : array of int, shape (n,)
         Row of each point in its file, or its number from 1.
-    taken, converted, assumed, left : tuple of str
+    account : Account
         Use of the input.
+    rough : bool
+        Whether the points are of a map or a receiver, with noise of metres and correlated heights.
+    recorded : bool
+        Whether points that lie far beside the line are left out.
+    stretches : list
+        First and last place, rise per metre and limit of speed [m/s] that a map states, None if it does not.
     """
 
     source: str
     plan: Numbers
     height: Numbers | None
     places: NDArray[np.int64]
-    taken: tuple[str, ...]
-    converted: tuple[str, ...]
-    assumed: tuple[str, ...]
-    left: tuple[str, ...] = ()
+    account: Account
+    rough: bool = False
+    recorded: bool = False
+    stretches: Sequence[tuple[int, int, float | None, float | None]] = ()
+
+    @property
+    def word(self) -> str:
+        """Word for the place of a point in its file."""
+        return "point" if self.rough else "row"
+
+    def kept(self, keep: NDArray[np.bool_]) -> Points:
+        """Return some of the points."""
+        height = None if self.height is None else self.height[keep]
+        return replace(self, plan=self.plan[keep], height=height, places=self.places[keep])
 
 
-def points_of(given: str | Path | ArrayLike) -> Points:
-    """Return points from a file or an array."""
+def points_of(given: str | Path | ArrayLike, tracks: Sequence[str] = ()) -> Points:
+    """Return points from a file or an array; tracks: those of a map or receiver."""
     if isinstance(given, str | Path):
-        return _from_file(given)
+        course = read_map(Path(given), tracks)
+        return points_of_course(course) if course else _from_file(given)
     try:
         array = np.asarray(given)
     except ValueError:
@@ -75,70 +108,203 @@ def points_of(given: str | Path | ArrayLike) -> Points:
         row = int(np.flatnonzero(~np.all(np.abs(numbers) <= FARTHEST, axis=1))[0])
         raise BadInputError(f"points must be finite numbers up to 1e8 m; got {numbers[row].tolist()} in row {row + 1}.")
     height = numbers[:, 2] if array.shape[1] == 3 else None
-    return _checked("points", numbers[:, :2], height, np.arange(1, array.shape[0] + 1), (), BadInputError)
+    places = np.arange(1, array.shape[0] + 1)
+    return _checked(Points("points", numbers[:, :2], height, places, Account()), BadInputError)
 
 
 def _from_file(path: str | Path) -> Points:
-    table = read_table(path, COLUMNS, others=True, most_rows=MOST)
+    table = read_table(path, COLUMNS, others=TEXT, most_rows=MOST)
     columns = table.numbers
-    found = [pair for pair in PLANS if pair[0] in columns or pair[1] in columns]
-    if len(found) != 1 or not all(name in columns for name in found[0]):
+    pairs = [*zip(EAST, NORTH, strict=True), *((one, other) for one in LATITUDES for other in LONGITUDES)]
+    found = [pair for pair in pairs if set(pair) <= set(columns)]
+    if len(found) != 1 or len(NAMES & set(columns)) > 2:
         raise FileError(
             f"{path} must have the columns x and y, easting and northing, or latitude and longitude; got "
-            f"{', '.join(columns)}. Name both coordinates."
+            f"{', '.join([*columns, *table.words])}. Name both coordinates."
         )
-    heights = [name for name in HEIGHTS if name in columns]
+    heights = [name for name in HEIGHT if name in columns]
     if len(heights) > 1:
-        raise FileError(f"{path} must have one height; got z and height. Remove one of them.")
-    plan = np.column_stack([columns[name] for name in found[0]])
-    converted: tuple[str, ...] = ()
-    if found[0] == PLANS[2]:
-        plan, told = transverse_mercator(*plan.T)
-        converted = (told,)
+        raise FileError(f"{path} must have one height; got {' and '.join(heights)}. Remove one of them.")
+    first, second = (columns[name] for name in found[0])
     height = columns[heights[0]] if heights else None
-    points = _checked(str(path), plan, height, table.places, converted, FileError)
-    left = [shown(name) for name in columns if name not in KNOWN]
-    return replace(points, left=(f"columns {', '.join(left)}: they are not used",)) if left else points
+    left = [f"columns {', '.join(shown(name) for name in table.words)}: they are not used"] if table.words else []
+    account = Account(left=left)
+    if found[0][0] in EAST:
+        points = Points(str(path), np.column_stack([first, second]), height, table.places, account)
+        return _checked(points, FileError)
+    return _in_degrees(str(path), first, second, height, table.places, account, True, ())
 
 
-def _checked(
-    source: str, plan: Numbers, height: Numbers | None, places: Any, converted: tuple[str, ...], error: type[ValueError]
+def points_of_course(course: Course) -> Points:
+    """Return the points of a course in degrees."""
+    stretches = []
+    for first, last, tags, back in course.stretches:
+        course.account.left += [one for one in unread(tags, back) if one not in course.account.left]
+        stretches.append((first + 1, last + 1, gradient_in(tags, back), speed_in(tags, back)))
+    latitude, longitude, height = course.places.T
+    heights = _filled(height, course.account)
+    places = np.arange(1, latitude.size + 1)
+    return _in_degrees(course.source, latitude, longitude, heights, places, course.account, course.recorded, stretches)
+
+
+def _filled(height: Numbers, account: Account) -> Numbers | None:
+    """Return heights without gaps, None if most are unknown."""
+    known = np.isfinite(height)
+    count, missing = np.arange(height.size), int(np.count_nonzero(~known))
+    if 2 * missing > height.size:
+        if missing < height.size:
+            account.left.append(f"heights: {missing} of {height.size} points have none")
+        return None
+    if missing:
+        account.assumed.append(f"missing heights, {missing} of {height.size}, lie between their neighbours")
+    return np.asarray(np.interp(count, count[known], height[known]))
+
+
+def _in_degrees(
+    source: str,
+    latitude: Numbers,
+    longitude: Numbers,
+    height: Numbers | None,
+    places: NDArray[np.int64],
+    account: Account,
+    recorded: bool,
+    stretches: Sequence[tuple[int, int, float | None, float | None]],
 ) -> Points:
+    plan = unrolled(latitude, longitude, 0.0 if height is None else height)
+    ends = " to ".join(f"{latitude[at]:.5f}, {longitude[at]:.5f}" for at in (0, -1))
+    account.converted.append(f"latitude and longitude, from {ends}: unrolled from WGS 84 along the course")
+    if height is None:
+        account.assumed.append("lengths are those at sea level, 0.16 m/km too short at a height of 1000 m")
+    points = Points(source, plan, height, places, account, True, recorded, stretches)
+    return _checked(points, FileError)
+
+
+def _checked(points: Points, error: type[ValueError]) -> Points:
     """Return points without repetitions. Raises `error` if they are not a line."""
-    ways = np.hypot(*np.diff(plan, axis=0).T)
-    keep = np.append(True, ways >= SAME)
-    assumed: tuple[str, ...] = ()
+    source, account = points.source, points.account
+    ways = _ways(points)
+    keep = np.append(True, ways >= SAME)[: points.places.size]
     if dropped := int(np.count_nonzero(~keep)):
-        row = int(places[np.flatnonzero(~keep)[0]])
-        assumed = (f"{dropped} points within 1 mm of the one before are left out, the first in row {row}",)
-        plan, places, height = plan[keep], places[keep], None if height is None else height[keep]
-    count = places.size
+        row = int(points.places[np.flatnonzero(~keep)[0]])
+        account.assumed.append(
+            f"{dropped} points within 1 mm of the one before are left out, the first in {points.word} {row}"
+        )
+        points = points.kept(keep)
+    count = points.places.size
     if not FEWEST <= count <= MOST and not (dropped and count + dropped >= FEWEST and ways.max() < CLOSEST):
         raise error(f"{source} must have {FEWEST} to {MOST} different points; got {count}. Check the file.")
     usual = float(np.median(ways[keep[1:]])) if count > 1 else 0.0
-    if not CLOSEST <= usual <= WIDEST:
+    widest = WIDEST_IN_DEGREES if points.rough else WIDEST
+    if not CLOSEST <= usual <= widest:
         hint = "Name degrees latitude and longitude" if usual < CLOSEST else "Give a unit, as in x [km], or more points"
         raise error(
-            f"{source}: points must be {CLOSEST:g} to {WIDEST:g} m apart; got {usual:.4g} m as the median. {hint}."
+            f"{source}: points must be {CLOSEST:g} to {widest:g} m apart; got {usual:.4g} m as the median. {hint}."
         )
-    ways = np.hypot(*np.diff(plan, axis=0).T)
-    _check_order(source, plan, ways, places, error)
-    origin = plan[0]
-    taken = f"{count} points of {source}, {usual:.3g} m apart (median), {ways.max():.4g} m at most"
-    if np.hypot(*(plan[-1] - origin)) <= 2.0 * usual and count > 20:
-        assumed += ("the line begins and ends at the same place: a loop, cut there",)
-    return Points(source, plan - origin, height, places, (taken,), converted, assumed)
+    points = _forwards(points, error)
+    ways = _ways(points)
+    usual = float(np.median(ways))
+    account.taken.append(
+        f"{points.places.size} points of {source}, {usual:.3g} m apart (median), {ways.max():.4g} m at most"
+    )
+    if points.recorded and ways.max() > max(GAP, GAP_TIMES * usual):
+        row = int(points.places[np.argmax(ways)])
+        account.assumed.append(f"the line is a smooth curve over the gap of {ways.max():.4g} m behind point {row}")
+    if np.hypot(*(points.plan[-1] - points.plan[0])) <= 2.0 * usual and points.places.size > 20:
+        account.assumed.append("the line begins and ends at the same place: a loop, cut there")
+    return replace(points, plan=points.plan - points.plan[0])
 
 
-def _check_order(source: str, plan: Numbers, ways: Numbers, places: Any, error: type[ValueError]) -> None:
-    steps = np.diff(plan, axis=0)
-    cosine = np.sum(steps[1:] * steps[:-1], axis=1) / (ways[1:] * ways[:-1])
-    back = np.flatnonzero(cosine < 0.0)
+def _ways(points: Points) -> Numbers:
+    return np.asarray(np.hypot(*np.diff(points.plan, axis=0).T))
+
+
+def _forwards(points: Points, error: type[ValueError]) -> Points:
+    """Return points that do not turn back. Those of receivers do so where it stands, and are joined there."""
+    count, jumps, back = points.places.size, 0, _turns_back(points)
+    weights = np.ones(count)
+    if back.size and points.recorded:
+        points, weights = _at_rest(points)
+        back = _turns_back(points)
+    for _ in range(PASSES if points.recorded else 0):
+        if not back.size or jumps > MOST_JUMPS * count:
+            break
+        points, weights, left = _joined(points, weights, back)
+        back, jumps = _turns_back(points), jumps + left
     if back.size:
-        row = int(back[0]) + 1
-        angle = np.degrees(np.arccos(np.clip(cosine[row - 1], -1.0, 1.0)))
-        raise error(
-            f"{source}, row {places[row]}: points must follow the line; got a turn by {angle:.0f} degrees between "
-            f"{ways[row - 1]:.4g} m before and {ways[row]:.4g} m after. Sort the points, or leave out some that are "
-            "closer than their noise."
+        raise _refusal(points, back, error)
+    if jumps:
+        points.account.assumed.append(f"points that jump by more than {NEIGHBOURS:g} m and back are left out: {jumps}")
+    if joined := count - jumps - points.places.size:
+        points.account.converted.append(
+            f"{joined} of {count} points turn back and are averaged with those next to them"
         )
+    if points.places.size < FEWEST:
+        raise error(
+            f"{points.source} must have {FEWEST} points along a line; got {points.places.size}. Check the file."
+        )
+    return points
+
+
+def _at_rest(points: Points) -> tuple[Points, Numbers]:
+    """Return points of which SEVERAL and more within RADIUS of their mean are one, and the weight of each."""
+    columns = [points.plan] if points.height is None else [points.plan, points.height[:, None]]
+    rows = np.column_stack(columns)
+    found, first, weights, begin = [], [], [], 0
+    total = rows[0].copy()
+    for at in range(1, len(rows) + 1):
+        count = at - begin
+        if at < len(rows) and np.hypot(*(rows[at] - total / count)[:2]) < RADIUS:
+            total += rows[at]
+            continue
+        alone = count < SEVERAL
+        found += list(rows[begin:at]) if alone else [total / count]
+        first += list(range(begin, at)) if alone else [begin]
+        weights += [1.0] * count if alone else [float(count)]
+        if at < len(rows):
+            begin, total = at, rows[at].copy()
+    means = np.array(found)
+    height = None if points.height is None else means[:, 2]
+    moved = replace(points, plan=means[:, :2], height=height, places=points.places[first])
+    return moved, np.array(weights)
+
+
+def _joined(points: Points, weights: Numbers, back: NDArray[np.int64]) -> tuple[Points, Numbers, int]:
+    """Return points of which those that turn back are averaged with their nearer neighbour, their weights, and jumps.
+
+    A point that is farther than NEIGHBOURS from both neighbours is a jump and left out.
+    """
+    columns = [points.plan] if points.height is None else [points.plan, points.height[:, None]]
+    rows, weights, ways = np.column_stack(columns), weights.copy(), _ways(points)
+    keep, last, jumps = np.ones(len(rows), bool), -1, 0
+    for at in back.tolist():
+        near = at - 1 if ways[at - 1] <= ways[at] else at + 1
+        if min(at, near) <= last:
+            continue
+        last = max(at, near)
+        keep[at] = False
+        if min(ways[at - 1], ways[at]) < NEIGHBOURS:
+            rows[near] += (rows[at] - rows[near]) * weights[at] / (weights[at] + weights[near])
+            weights[near] += weights[at]
+        else:
+            jumps += 1
+    height = None if points.height is None else rows[:, 2]
+    moved = replace(points, plan=rows[:, :2], height=height).kept(keep)
+    return moved, weights[keep], jumps
+
+
+def _turns_back(points: Points) -> NDArray[np.int64]:
+    """Return the points at which the course turns by more than 90 degrees."""
+    steps = np.diff(points.plan, axis=0)
+    return np.flatnonzero(np.sum(steps[1:] * steps[:-1], axis=1) < 0.0) + 1
+
+
+def _refusal(points: Points, back: NDArray[np.int64], error: type[ValueError]) -> ValueError:
+    """Return the error for points that turn back."""
+    row, steps = int(back[0]), np.diff(points.plan, axis=0)
+    before, after = np.hypot(*steps[row - 1]), np.hypot(*steps[row])
+    angle = np.degrees(np.arccos(np.clip(steps[row - 1] @ steps[row] / (before * after), -1.0, 1.0)))
+    place = f"{points.source}, {points.word} {points.places[row]}"
+    return error(
+        f"{place}: points must follow the line; got a turn by {angle:.0f} degrees between {before:.4g} m before and "
+        f"{after:.4g} m after. Sort the points, or leave out some that are closer than their noise."
+    )

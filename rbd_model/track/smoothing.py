@@ -10,6 +10,11 @@ The factor minimises the generalised cross validation (P. Craven and G. Wahba (1
 functions, Numerische Mathematik 31), or the unbiased estimate of the risk if the noise is known (C. L. Mallows (1973),
 Some comments on Cp, Technometrics 15). Both count degrees of freedom 1.4 times, which avoids fits to noise (Y.-J. Kim
 and C. Gu (2004), Smoothing spline Gaussian regression, Journal of the Royal Statistical Society B 66).
+
+Errors of receivers are correlated: those of samples a way x apart by exp(-x / length), a Gauss-Markov process. Samples
+and design are then multiplied by the matrix that makes these errors independent. The marginal likelihood compares
+lengths (Y. Wang (1998), Smoothing spline models with correlated random errors, Journal of the American Statistical
+Association 93).
 """
 
 from __future__ import annotations
@@ -53,8 +58,12 @@ class Smooth:
         Standard deviation of the residuals in one direction.
     pitch : float
         Distance of the knots.
-    normal : array, shape (6, coefficients)
+    normal : array, shape (bands, coefficients)
         Lower bands of the normal equations, penalty included.
+    gap : float
+        Largest distance of samples.
+    misfit : float
+        The marginal likelihood's logarithm times -2, without a constant.
     """
 
     spline: BSpline
@@ -63,6 +72,8 @@ class Smooth:
     residual: float
     pitch: float
     normal: Numbers
+    gap: float
+    misfit: float
 
     def deviation(self, places: Numbers, order: int) -> Numbers:
         """Return the standard deviation of a derivative of one component, shape of `places`.
@@ -77,7 +88,7 @@ class Smooth:
     def _at(self, place: float, order: int) -> float:
         knots, size = self.spline.t, self.normal.shape[1]
         cell = min(max(int((place - knots[DEGREE]) / self.pitch), 0), size - DEGREE - 1)
-        half = math.ceil(WINDOW * self.reach / self.pitch) + MARGIN
+        half = math.ceil(max(WINDOW * self.reach, 2.0 * self.gap) / self.pitch) + MARGIN
         low, high = max(cell - half, 0), min(cell + DEGREE + 1 + half, size)
         local = BSpline(knots[cell : cell + 2 * DEGREE + 2], np.eye(DEGREE + 1), DEGREE)
         own = np.zeros(high - low)
@@ -85,32 +96,77 @@ class Smooth:
         return self.noise * math.sqrt(own @ solveh_banded(self.normal[:, low:high], own, lower=True))
 
 
-def smooth(places: Numbers, samples: Numbers, pitch: float, noise: float | None = None) -> Smooth:
-    """Return the smooth function through samples.
+def smooth(
+    places: Numbers,
+    samples: Numbers,
+    pitch: float,
+    noise: float | None = None,
+    alike: float = 0.0,
+    most: float = math.inf,
+) -> Smooth:
+    """Return the smooth function through samples, with a reach of at most `most`.
 
-    Takes places (n,), samples (n, components).
+    Takes places (n,), samples (n, components), alike: length over which errors of samples are correlated, 0: not.
     """
-    way = float(places[-1] - places[0])
+    way, steps = float(places[-1] - places[0]), np.diff(places)
     cells = max(math.ceil(way / pitch), 1)
     pitch = way / cells
     knots = places[0] + pitch * np.arange(-DEGREE, cells + DEGREE + 1)
     inside = np.clip(places, knots[DEGREE], knots[-DEGREE - 1])
-    design = BSpline.design_matrix(inside, knots, DEGREE)
-    data, penalty, right = _bands(design.T @ design), _penalty(knots), design.T @ samples
-    best: tuple[float, float, float, float, Numbers, Numbers] | None = None
-    for reach in (pitch * np.geomspace(SHORTEST, LONGEST, STEPS)).tolist():
-        factor = places.size / way * reach ** (2 * PENALISED)
+    white = _whitening(steps, alike)
+    design, samples = white @ BSpline.design_matrix(inside, knots, DEGREE), white @ samples
+    data, right = _bands(design.T @ design), design.T @ samples
+    penalty = np.pad(_penalty(knots), ((0, data.shape[0] - DEGREE - 1), (0, 0)))
+    best: tuple[float, float, float, float, float, Numbers, Numbers] | None = None
+    for span in (pitch * np.geomspace(SHORTEST, LONGEST, STEPS)).tolist():
+        reach = _reach(span, way / steps.size, alike)
+        if best is not None and reach > most:
+            break
+        factor = places.size / way * span ** (2 * PENALISED)
         normal = data + factor * penalty
         freedom = _freedom(data, penalty, factor)
         found = cho_solve_banded((cholesky_banded(normal, lower=True), True), right)
         missed = float(np.sum((design @ found - samples) ** 2))
         score = _score(places.size, missed, freedom, noise)
         if best is None or score < best[0]:
-            best = score, reach, missed, freedom, found, normal
+            best = score, reach, factor, missed, freedom, found, normal
     assert best is not None
-    _, reach, missed, freedom, found, normal = best
+    _, reach, factor, missed, freedom, found, normal = best
     residual = math.sqrt(missed / max(places.size - freedom, 1.0))
-    return Smooth(BSpline(knots, found, DEGREE), reach, residual if noise is None else noise, residual, pitch, normal)
+    misfit = _misfit(float(np.sum(samples * (samples - design @ found))), samples, normal, factor)
+    misfit -= samples.shape[1] * 2.0 * float(np.sum(np.log(white.diagonal())))
+    told = residual if noise is None else noise
+    return Smooth(BSpline(knots, found, DEGREE), reach, told, residual, pitch, normal, float(steps.max()), misfit)
+
+
+def _whitening(steps: Numbers, alike: float) -> Any:
+    """Return the matrix that makes errors independent which are correlated over the length `alike`."""
+    keep = np.exp(-steps / alike) if alike else np.zeros_like(steps)
+    scale = 1.0 / np.sqrt(1.0 - keep**2)
+    bands = [np.append(1.0, scale), -keep * scale]
+    return diags_array(bands, offsets=[0, -1], shape=(steps.size + 1, steps.size + 1)).tocsr()
+
+
+def _reach(span: float, step: float, alike: float) -> float:
+    """Return 1 over the wave number at which the smoother's response is a half.
+
+    The response is 1 / (1 + (w span)^6 s), where s is the spectrum of the noise over that of independent noise.
+    """
+    if not alike:
+        return span
+    keep = math.exp(-step / alike)
+    waves = np.geomspace(1e-3 / span, math.pi / step, 2000)
+    spectrum = (1.0 - keep**2) / (1.0 - 2.0 * keep * np.cos(waves * step) + keep**2)
+    return float(1.0 / np.interp(1.0, (waves * span) ** (2 * PENALISED) * spectrum, waves))
+
+
+def _misfit(total: float, samples: Numbers, normal: Numbers, factor: float) -> float:
+    """Return the restricted likelihood's logarithm times -2 for a sum of squares, without the noise's determinant."""
+    count, components = samples.shape
+    determinant = 2.0 * float(np.sum(np.log(cholesky_banded(normal, lower=True)[0])))
+    rank = normal.shape[1] - PENALISED
+    scale = math.log(max(total, 1e-300) / components / (count - PENALISED))
+    return components * ((count - PENALISED) * scale + determinant - rank * math.log(factor))
 
 
 def _score(count: int, missed: float, freedom: float, noise: float | None) -> float:
@@ -133,10 +189,10 @@ def _freedom(data: Numbers, penalty: Numbers, factor: float) -> float:
 
 
 def _bands(matrix: Any) -> Numbers:
-    """Return the lower bands of a sparse symmetric matrix, shape (6, n)."""
-    size = matrix.shape[0]
-    found = np.zeros((DEGREE + 1, size))
-    for below in range(min(DEGREE + 1, size)):
+    """Return the lower bands of a sparse symmetric matrix, at least 6."""
+    size, (rows, columns) = matrix.shape[0], matrix.nonzero()
+    found = np.zeros((max(int(np.max(rows - columns)), DEGREE) + 1, size))
+    for below in range(min(found.shape[0], size)):
         found[below, : size - below] = matrix.diagonal(-below)
     return found
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rbd_model.track.line_points import LineFromPoints, line_from_points
-from rbd_model.track.projection import AXIS, FLATTENING, transverse_mercator
+from rbd_model.track.projection import AXIS, FLATTENING
 from readers.text import BadInputError, FileError
 
 #: Corners of the curvature [m], and radii of the arcs between the second and the third transition [m].
@@ -129,26 +129,20 @@ def test_a_closed_circle_and_a_mirrored_one_have_one_radius() -> None:
         assert any("a loop" in one for one in line.account.assumed)
 
 
-def test_degrees_are_projected_with_a_told_projection(tmp_path: Path) -> None:
-    """A meridian's arc about 50 degrees is 111 229.03 m a degree (closed form: the meridian radius of curvature)."""
+def test_degrees_in_a_table_become_metres(tmp_path: Path) -> None:
+    """A degree of a meridian about 50 degrees has 111 229.03 m (closed form: its radius of curvature)."""
     eccentric = FLATTENING * (2.0 - FLATTENING)
     fine = np.radians(np.linspace(49.9, 50.1, 20001))
     radius = AXIS * (1.0 - eccentric) / (1.0 - eccentric * np.sin(fine) ** 2) ** 1.5
     arc_length = float(np.sum((radius[1:] + radius[:-1]) / 2.0 * np.diff(fine)))
-    plan, _ = transverse_mercator(np.array([49.9, 50.1]), np.array([8.0, 8.0]))
-    assert np.hypot(*(plan[1] - plan[0])) == pytest.approx(arc_length, rel=1e-10)
-    latitude = 50.0 + 1e-3 * np.arange(40)
-    rows = [f"{one!r},{8.0 + 1e-4 * i!r}" for i, one in enumerate(latitude.tolist())]
+    rows = [f"2026-05-01T12:00:{i:02}Z;{50.0 + 1e-4 * i:.4f};8,0;100,0".replace(".", ",") for i in range(40)]
     path = tmp_path / "gps.csv"
-    path.write_text("latitude,longitude\n" + "\n".join(rows) + "\n")
-    with pytest.raises(FileError, match=r"points must be 0.01 to 100 m apart; got 111.5 m"):
-        line_from_points(path)
-    rows = [f"{50.0 + 1e-4 * i!r},{8.0!r}" for i in range(40)]
-    path.write_text("latitude,longitude\n" + "\n".join(rows) + "\n")
+    path.write_text("time;lat;lon;ele\n" + "\n".join(rows) + "\n")
     line = line_from_points(path)
-    assert line.length == pytest.approx(39e-4 * arc_length / 0.2, rel=1e-6)
-    assert any("transverse Mercator on WGS 84" in one for one in line.account.converted)
-    path.write_text("x,y\n" + "\n".join(rows) + "\n")
+    assert line.length == pytest.approx(39e-4 * arc_length / 0.2 * (1.0 + 100.0 / 6.38e6), rel=1e-6)
+    assert line.account.left == ["columns time: they are not used"]
+    assert any("from 50.00000, 8.00000 to 50.00390, 8.00000" in one for one in line.account.converted)
+    path.write_text(path.read_text().replace("lat;lon", "x;y"))
     with pytest.raises(FileError, match="Name degrees latitude and longitude"):
         line_from_points(path)
 
@@ -184,7 +178,7 @@ def test_repeated_points_and_outliers_are_told() -> None:
     assert line == line_from_points(LINE_POINTS)
     off = line_from_points(bad(LINE_POINTS, 50, (0.0, 0.03)))
     assert any("check it" in one and "row 51" in one for one in off.account.assumed)
-    with pytest.raises(BadInputError, match="noise must be above 0 and at most 1 m; got -1"):
+    with pytest.raises(BadInputError, match="noise must be above 0 and at most 20 m; got -1"):
         line_from_points(LINE_POINTS, noise=-1)
 
 
