@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +49,8 @@ LEAST_NOISE, LONGEST_REACH, LONGEST_OF_HEIGHTS, ALIKE, BIAS_FACTOR = 0.3, 80.0, 
 KNOTS, STEEP, LARGEST_NOISE = 40.0, 0.07, 20.0
 #: Length from which texts have metres instead of millimetres [m].
 CENTIMETRES = 0.0995
+#: Most knots in a gap between points: with more the equations lose all digits.
+GAP_KNOTS = 150.0
 #: Times that places of points are corrected by the curve.
 ROUNDS = 3
 #: Times the noise from which a point is named as an outlier. Ratio of residuals to a given noise that is told.
@@ -134,8 +136,9 @@ def _line(given: Points, noise: float | None, start: float) -> LineFromPoints:
     course, length = _rows_of(plan)
     bend = _curvature(plan, course)
     reach = max(plan.reach, RESOLVED * plan.pitch, float(length[1]))
-    least = LEAST_NOISE / max(plan.noise, 1e-9) if given.rough and noise is None else 1.0
-    error = SIGMAS * max(1.0, least) * plan.deviation(course, 2) + _bias(given) * reach * _corner(length, bend, reach)
+    error = SIGMAS * _cautious(plan, given, noise).deviation(course, 2) + _bias(given) * reach * _corner(
+        length, bend, reach
+    )
     error += _ends(length, bend, reach)
     account = given.account
     _tell_plan(account, plan, noise, error)
@@ -159,6 +162,11 @@ def _line(given: Points, noise: float | None, start: float) -> LineFromPoints:
     line = LineFromPoints(rows, account, error, steepness, plan.noise, aside, given.plan, limits)
     account.converted += sums(line)
     return line
+
+
+def _cautious(fit: Smooth, given: Points, noise: float | None) -> Smooth:
+    """Return a fit with the least noise that maps and receivers have, unless it is stated."""
+    return replace(fit, noise=max(fit.noise, LEAST_NOISE)) if given.rough and noise is None else fit
 
 
 def _bias(given: Points) -> float:
@@ -246,7 +254,7 @@ def _plan(given: Points, noise: float | None) -> tuple[Numbers, Smooth]:
     """
     ways = np.hypot(*np.diff(given.plan, axis=0).T)
     way = np.concatenate([[0.0], np.cumsum(ways)])
-    pitch = max(float(np.percentile(ways, 20)), LEAST_PITCH)
+    pitch = max(float(np.percentile(ways, 20)), LEAST_PITCH, float(ways.max()) / GAP_KNOTS)
     most = LONGEST_REACH if given.rough else math.inf
     for _ in range(ROUNDS):
         plan = smooth(way, given.plan, pitch, noise, most=most)
@@ -312,7 +320,9 @@ def _gradient(way: Numbers, given: Points, plan: Smooth, length: Numbers, accoun
         heights = smooth(way, rise, plan.pitch)
     slope = heights.spline(length, 1)[:, 0]
     reach = max(heights.reach, RESOLVED * heights.pitch, float(length[1]))
-    error = SIGMAS * heights.deviation(length, 1) + _bias(given) * reach * _corner(length, slope, reach)
+    error = SIGMAS * _cautious(heights, given, None).deviation(length, 1) + _bias(given) * reach * _corner(
+        length, slope, reach
+    )
     account.converted.append(
         f"gradient: heights smoothed over {heights.reach:.1f} m, noise {length_of(heights.noise)}; its error is at "
         f"most {1e3 * np.median(error):.2g} per mille at half of the rows, {1e3 * error.max():.2g} everywhere"

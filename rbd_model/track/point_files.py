@@ -26,11 +26,10 @@ FEWEST, MOST, FARTHEST = 8, 200_000, 1e8
 SAME, CLOSEST, WIDEST, WIDEST_IN_DEGREES = 1e-3, 0.01, 100.0, 1000.0
 #: Receivers that stand: so many points within a radius of their mean [m] are one.
 SEVERAL, RADIUS = 4, 20.0
-#: Distance of neighbours that are averaged where a receiver turns back [m], share of points that may be jumps, and
-#: passes: a halt of an hour takes 30.
-NEIGHBOURS, MOST_JUMPS, PASSES = 40.0, 0.01, 100
-#: Gap that is told: metres, and times the median distance.
-GAP, GAP_TIMES = 300.0, 10.0
+#: Distance of neighbours that are averaged where a receiver turns back [m], share of points that may be jumps.
+NEIGHBOURS, MOST_JUMPS = 40.0, 0.01
+#: Largest gap between points [m]. Gap that is told: metres, and times the median distance.
+LARGEST_GAP, GAP, GAP_TIMES = 10_000.0, 300.0, 10.0
 #: Names of both coordinates in plan, and of the height, each with others that people use.
 EAST, NORTH, HEIGHT = ("x", "easting"), ("y", "northing"), ("z", "height", "ele", "elevation", "alt", "altitude")
 LATITUDES = ("latitude", "lat", "breite", "breitengrad")
@@ -200,6 +199,12 @@ def _checked(points: Points, error: type[ValueError]) -> Points:
         raise error(
             f"{source}: points must be {CLOSEST:g} to {widest:g} m apart; got {usual:.4g} m as the median. {hint}."
         )
+    if ways.max() > LARGEST_GAP:
+        place = f"{points.word} {points.places[np.argmax(_ways(points))]}"
+        raise error(
+            f"{source}: points must be at most {LARGEST_GAP / 1e3:g} km apart; got {ways.max() / 1e3:.4g} km behind "
+            f"{place}. Check the points there, or split the file."
+        )
     points = _forwards(points, error)
     ways = _ways(points)
     usual = float(np.median(ways))
@@ -221,35 +226,31 @@ def _ways(points: Points) -> Numbers:
 def _forwards(points: Points, error: type[ValueError]) -> Points:
     """Return points that do not turn back. Those of receivers do so where it stands, and are joined there."""
     count, jumps, back = points.places.size, 0, _turns_back(points)
-    weights = np.ones(count)
+    group = np.column_stack([np.ones(count), np.zeros(count)])
     if back.size and points.recorded:
-        points, weights = _at_rest(points)
+        points, group = _at_rest(points)
         back = _turns_back(points)
-    for _ in range(PASSES if points.recorded else 0):
-        if not back.size or jumps > MOST_JUMPS * count:
-            break
-        points, weights, left = _joined(points, weights, back)
+    before = 0
+    while back.size and points.recorded and points.places.size != before and jumps <= MOST_JUMPS * count:
+        before = points.places.size
+        points, group, left = _joined(points, group, back)
         back, jumps = _turns_back(points), jumps + left
     if back.size:
         raise _refusal(points, back, error)
     if jumps:
         points.account.assumed.append(f"points that jump by more than {NEIGHBOURS:g} m and back are left out: {jumps}")
     if joined := count - jumps - points.places.size:
-        points.account.converted.append(
-            f"{joined} of {count} points turn back and are averaged with those next to them"
-        )
+        points.account.converted.append(f"{joined} of {count} points turn back and are averaged with those beside them")
     if points.places.size < FEWEST:
-        raise error(
-            f"{points.source} must have {FEWEST} points along a line; got {points.places.size}. Check the file."
-        )
+        limit = f"{FEWEST} points along a line"
+        raise error(f"{points.source} must have {limit}; got {points.places.size}. Check the file.")
     return points
 
 
 def _at_rest(points: Points) -> tuple[Points, Numbers]:
-    """Return points of which SEVERAL and more within RADIUS of their mean are one, and the weight of each."""
-    columns = [points.plan] if points.height is None else [points.plan, points.height[:, None]]
-    rows = np.column_stack(columns)
-    found, first, weights, begin = [], [], [], 0
+    """Return points of which SEVERAL and more within RADIUS of their mean are one, with weight and spread of each."""
+    rows = _rows(points)
+    found, first, group, begin = [], [], [], 0
     total = rows[0].copy()
     for at in range(1, len(rows) + 1):
         count = at - begin
@@ -259,50 +260,60 @@ def _at_rest(points: Points) -> tuple[Points, Numbers]:
         alone = count < SEVERAL
         found += list(rows[begin:at]) if alone else [total / count]
         first += list(range(begin, at)) if alone else [begin]
-        weights += [1.0] * count if alone else [float(count)]
+        group += [(1.0, 0.0)] * count if alone else [(float(count), 0.0)]
         if at < len(rows):
             begin, total = at, rows[at].copy()
-    means = np.array(found)
-    height = None if points.height is None else means[:, 2]
-    moved = replace(points, plan=means[:, :2], height=height, places=points.places[first])
-    return moved, np.array(weights)
+    return _moved(points, np.array(found), np.array(first)), np.array(group)
 
 
-def _joined(points: Points, weights: Numbers, back: NDArray[np.int64]) -> tuple[Points, Numbers, int]:
-    """Return points of which those that turn back are averaged with their nearer neighbour, their weights, and jumps.
+def _joined(points: Points, group: Numbers, back: NDArray[np.int64]) -> tuple[Points, Numbers, int]:
+    """Return points of which those that turn back are averaged with their nearer neighbour, and the number of jumps.
 
-    A point that is farther than NEIGHBOURS from both neighbours is a jump and left out.
+    A jump is farther than NEIGHBOURS from both neighbours, which follow each other without it. It is left out. Points
+    that are spread by more than twice that are not joined: there the vehicle turns back, not the noise.
     """
-    columns = [points.plan] if points.height is None else [points.plan, points.height[:, None]]
-    rows, weights, ways = np.column_stack(columns), weights.copy(), _ways(points)
+    rows, group, ways = _rows(points), group.copy(), _ways(points)
     keep, last, jumps = np.ones(len(rows), bool), -1, 0
     for at in back.tolist():
         near = at - 1 if ways[at - 1] <= ways[at] else at + 1
         if min(at, near) <= last:
             continue
         last = max(at, near)
-        keep[at] = False
-        if min(ways[at - 1], ways[at]) < NEIGHBOURS:
-            rows[near] += (rows[at] - rows[near]) * weights[at] / (weights[at] + weights[near])
-            weights[near] += weights[at]
-        else:
+        way, spread = min(ways[at - 1], ways[at]), group[at, 1] + group[near, 1]
+        before, over = rows[at - 1] - rows[max(at - 2, 0)], rows[at + 1] - rows[at - 1]
+        if way < NEIGHBOURS and way + spread < 2.0 * NEIGHBOURS:
+            keep[at] = False
+            rows[near] += (rows[at] - rows[near]) * group[at, 0] / (group[at, 0] + group[near, 0])
+            group[near] = group[at, 0] + group[near, 0], way + spread
+        elif way >= NEIGHBOURS and before[:2] @ over[:2] >= 0.0:
+            keep[at] = False
             jumps += 1
+    return _moved(points, rows[keep], np.flatnonzero(keep)), group[keep], jumps
+
+
+def _rows(points: Points) -> Numbers:
+    """Return plan and, if known, height in columns."""
+    return np.column_stack([points.plan] if points.height is None else [points.plan, points.height])
+
+
+def _moved(points: Points, rows: Numbers, first: NDArray[np.int64]) -> Points:
+    """Return points at other places; first: number of each among those before."""
     height = None if points.height is None else rows[:, 2]
-    moved = replace(points, plan=rows[:, :2], height=height).kept(keep)
-    return moved, weights[keep], jumps
+    return replace(points, plan=rows[:, :2], height=height, places=points.places[first])
 
 
 def _turns_back(points: Points) -> NDArray[np.int64]:
-    """Return the points at which the course turns by more than 90 degrees."""
+    """Return the points at which the course turns by 90 degrees and more, or rests."""
     steps = np.diff(points.plan, axis=0)
-    return np.flatnonzero(np.sum(steps[1:] * steps[:-1], axis=1) < 0.0) + 1
+    return np.flatnonzero(np.sum(steps[1:] * steps[:-1], axis=1) <= 0.0) + 1
 
 
 def _refusal(points: Points, back: NDArray[np.int64], error: type[ValueError]) -> ValueError:
     """Return the error for points that turn back."""
     row, steps = int(back[0]), np.diff(points.plan, axis=0)
     before, after = np.hypot(*steps[row - 1]), np.hypot(*steps[row])
-    angle = np.degrees(np.arccos(np.clip(steps[row - 1] @ steps[row] / (before * after), -1.0, 1.0)))
+    cosine = steps[row - 1] @ steps[row] / max(before * after, SAME**2)
+    angle = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
     place = f"{points.source}, {points.word} {points.places[row]}"
     return error(
         f"{place}: points must follow the line; got a turn by {angle:.0f} degrees between {before:.4g} m before and "

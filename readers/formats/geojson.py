@@ -30,9 +30,11 @@ def geojson_course(read: Any, asked: Sequence[str], source: str) -> Course:
     features = list_in(read, "features", source) if read["type"] == "FeatureCollection" else [read]
     lines, others = [], 0
     for number, feature in enumerate(features, 1):
-        inner = feature.get("geometry") if isinstance(feature, dict) and feature.get("type") == "Feature" else feature
+        if not isinstance(feature, dict):
+            raise FileError(f"{source}: feature {number} must be an object; got {shown(feature)}. Correct it.")
+        inner = feature.get("geometry") if feature.get("type") == "Feature" else feature
         tags = _tags(feature)
-        name = str(feature.get("id") or tags.get("@id") or tags.get("name") or number) if inner else ""
+        name = str(feature.get("id") or tags.get("@id") or tags.get("name") or number)
         found = list(_lines(inner, source))
         others += not found
         lines += [(name.removeprefix("way/"), tags, line) for line in found]
@@ -60,9 +62,9 @@ def _check_system(read: Any, source: str) -> None:
         )
 
 
-def _tags(feature: Any) -> dict[str, str]:
+def _tags(feature: dict[str, Any]) -> dict[str, str]:
     """Return the properties of a feature that are texts or numbers."""
-    given = feature.get("properties") if isinstance(feature, dict) else None
+    given = feature.get("properties")
     items = given.items() if isinstance(given, dict) else ()
     return {name: str(value) for name, value in items if isinstance(value, str) or is_number(value)}
 

@@ -98,7 +98,7 @@ def check_size(ways: Sequence[Way], source: str) -> None:
     """Check the number of ways and points."""
     count = sum(len(way.places) for way in ways)
     if not ways or count > MOST_POINTS or len(ways) > MOST_WAYS:
-        limit = f"1 to {MOST_WAYS} ways with at most {MOST_POINTS} points"
+        limit = f"1 to {MOST_WAYS} lines with at most {MOST_POINTS} different points"
         raise FileError(
             f"{source} must have {limit}; got {len(ways)} with {count}. Give another file, or a part of it."
         )
