@@ -113,12 +113,13 @@ def _import(chosen: argparse.Namespace, line: Any) -> int:
     make_folder_of(chosen.out)
     write_whole(chosen.out, ("\n".join(rows) + "\n").encode(), "name another file with --out")
     check, place, account = _drawn(line, SPEED, chosen.out.with_suffix(".png"))
-    pictures = [place]
+    pictures, limits = [place], {}
     if isinstance(line, LineFromPoints):
+        limits = {"speed_limits": line.speed_limits}
         place = chosen.out.with_name(f"{chosen.out.stem}-points.png")
         pictures.append(_save(figure_of_points(line), place))
     if chosen.json:
-        found = {"line": str(chosen.out), "pictures": [str(picture) for picture in pictures], **vars(account)}
+        found = {"line": str(chosen.out), "pictures": [str(picture) for picture in pictures], **limits, **vars(account)}
         print(json.dumps(found | document_of(check, SPEED), indent=2))
     elif not chosen.quiet:
         text = f"line:     {chosen.out}, {check.rows} rows, {check.end - check.begin:.3f} m"

@@ -312,7 +312,7 @@ def _refusal(points: Points, back: NDArray[np.int64], error: type[ValueError]) -
     """Return the error for points that turn back."""
     row, steps = int(back[0]), np.diff(points.plan, axis=0)
     before, after = np.hypot(*steps[row - 1]), np.hypot(*steps[row])
-    cosine = steps[row - 1] @ steps[row] / max(before * after, SAME**2)
+    cosine = steps[row - 1] @ steps[row] / (before * after) if before * after > SAME**2 else -1.0
     angle = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
     place = f"{points.source}, {points.word} {points.places[row]}"
     return error(

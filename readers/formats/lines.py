@@ -37,7 +37,7 @@ def read_foreign_line(path: Path, tracks: Sequence[str] = ()) -> Alignment:
     if suffix == XML:
         root = xml_of(path).tag
         if root not in ROOTS:
-            raise FileError(f"{path} must be railML or LandXML; got {shown(root)}. Give another file.")
+            raise FileError(f"{path} must be railML, LandXML, GPX, KML or OSM; got {shown(root)}. Give another file.")
         found = ROOTS[root]
     elif suffix in FORMATS:
         found = FORMATS[suffix]

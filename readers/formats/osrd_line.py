@@ -16,7 +16,7 @@ from readers.alignment import Alignment, Piece
 from readers.documents import document, list_in, number_in, text_in
 from readers.formats.line_tracks import Track, joined, listed, route_of
 from readers.import_account import Account
-from readers.text import FileError, text_of
+from readers.text import FileError, shown, text_of
 
 #: Largest file [bytes], longest track section [m].
 LARGEST, LONGEST = 64_000_000, 1e6
@@ -34,6 +34,10 @@ def read_osrd_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
     """Return the line over track sections."""
     source = str(path)
     read = document(text_of(path, LARGEST).encode(), source)
+    if not isinstance(read, dict) or "track_sections" not in read:
+        names = shown(", ".join(read) if isinstance(read, dict) else read)
+        forms = "OSRD (track_sections), Overpass (elements) or GeoJSON (type)"
+        raise FileError(f"{source} must be JSON of {forms}; got {names}. Give another file.")
     sections = {text_in(one, "id", f"{source}, track section"): one for one in list_in(read, "track_sections", source)}
     lengths = {name: number_in(one, "length", f"{source}, {name}", 0.01, LONGEST) for name, one in sections.items()}
     route = route_of(lengths, asked, source)

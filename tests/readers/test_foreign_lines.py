@@ -257,7 +257,7 @@ OTHER = json.dumps(OSRD)
 DAMAGED = {
     "an entity": ("a.xml", BOMB, (), "must have no document type; got <!DOCTYPE l"),
     "half a file": ("a.xml", RAILML2[:600], (), "must be XML; got a fault in row"),
-    "another root": ("a.xml", "<gpx/>", (), "must be railML or LandXML; got gpx"),
+    "another root": ("a.xml", "<svg/>", (), "must be railML, LandXML, GPX, KML or OSM; got svg"),
     "no alignment": ("a.xml", "<LandXML/>", (), "must be LandXML with an Alignment"),
     "an unknown spiral": (
         "a.xml",
