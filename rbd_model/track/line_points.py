@@ -23,9 +23,11 @@ from scipy.ndimage import maximum_filter1d
 
 from rbd_model.track.line_pieces import SourcedLine, sums
 from rbd_model.track.line_rows import COLUMNS
-from rbd_model.track.point_files import SAME, Points, points_of, points_of_course
+from rbd_model.track.map_tags import level_message, stated_gradient, stated_limits
+from rbd_model.track.point_account import OUTLIER, RESOLVED, length_of, tell_outliers, tell_plan, tell_resolved
+from rbd_model.track.point_files import points_of, points_of_course
+from rbd_model.track.points import SAME, Points
 from rbd_model.track.smoothing import Smooth, smooth
-from readers.formats.line_tracks import LISTED
 from readers.formats.ways import Course
 from readers.import_account import Account
 from readers.text import BadInputError
@@ -37,24 +39,18 @@ SIGMAS, BIAS = 4.0, 1.0 / 3.0
 AT_END, INSIDE = 2.0, 4.0
 #: Distance over which a jump of slope is taken, to either side, and in which the largest counts, in reaches.
 BESIDE, NEAR = 2.5, 2.0
-#: Share of the distance of knots that a reach has at least in a bound: knots do not resolve more.
-RESOLVED = 0.7
 #: Limits of the distance of knots and of rows [m]; rows in a reach.
 LEAST_PITCH, NEAREST, FARTHEST, ROWS = 1.0, 1.0, 5.0, 3.0
-#: Error of the noise's share that a map or receiver has at least [m]; limits of the reach there, in plan and height,
-#: lengths over which heights may be correlated [m], and factor on the bias. They are chosen with synthetic lines whose
-#: curvature is known (tests/rbd_model/test_maps.py).
-LEAST_NOISE, LONGEST_REACH, LONGEST_OF_HEIGHTS, ALIKE, BIAS_FACTOR = 0.3, 80.0, 400.0, (0.0, 1000.0), 2.0
-#: Least distance of knots of heights, as a part of their reach. Gradient that is rarely exceeded. Largest noise [m].
-KNOTS, STEEP, LARGEST_NOISE = 40.0, 0.07, 20.0
-#: Length from which texts have metres instead of millimetres [m].
-CENTIMETRES = 0.0995
+#: Maps and receivers: least noise in bounds [m], and per squared distance of knots [1/m]. Limits of the reach in plan
+#: and in height [m]. Lengths over which errors of heights may be correlated [m]. Factor on the bias. They were chosen
+#: with synthetic lines of known curvature, and tested with others (tests/rbd_model/test_map_lines.py).
+LEAST_NOISE, LEAST_BEND, LONGEST_REACH, LONGEST_OF_HEIGHTS, ALIKE, BIAS_FACTOR = 0.3, 2e-4, 80.0, 400.0, (0.0, 1e3), 2.0
+#: Least distance of knots of heights, as a part of their reach. Largest noise [m]. Standard deviation over median.
+KNOTS, LARGEST_NOISE, NORMAL = 40.0, 20.0, 1.4826
 #: Most knots in a gap between points: with more the equations lose all digits.
 GAP_KNOTS = 150.0
 #: Times that places of points are corrected by the curve.
 ROUNDS = 3
-#: Times the noise from which a point is named as an outlier. Ratio of residuals to a given noise that is told.
-OUTLIER, MISMATCH = 5.0, 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,13 +137,13 @@ def _line(given: Points, noise: float | None, start: float) -> LineFromPoints:
     )
     error += _ends(length, bend, reach)
     account = given.account
-    _tell_plan(account, plan, noise, error)
+    tell_plan(account, plan, noise, error)
     slope, steepness = np.zeros_like(bend), np.full_like(bend, math.inf)
     if given.height is not None:
         slope, steepness = _gradient(way, given, plan, length, account)
     else:
-        slope = _stated(way, given, length)
-        account.assumed.append(_level(slope, given))
+        slope = stated_gradient(way, given, length)
+        account.assumed.append(level_message(slope, given))
     account.assumed.append("the cant is 0: points of the centre do not have it")
     along = np.sqrt(1.0 + slope**2)
     steps = np.diff(length) * (along[1:] + along[:-1]) / 2.0
@@ -155,18 +151,22 @@ def _line(given: Points, noise: float | None, start: float) -> LineFromPoints:
     rows |= {"cant": np.zeros_like(bend), "gradient": slope / along}
     _check(rows, given.source)
     if given.rough:
-        _tell_resolved(account, rows, error, steepness)
+        tell_resolved(account, rows, error, steepness)
     aside = _aside(plan, way, given)
-    _tell_outliers(account, given, aside, plan.noise)
-    limits = _limits(way, given, length, rows["distance"], account)
+    tell_outliers(account, given, aside, plan.noise)
+    limits = stated_limits(way, given, length, rows["distance"], account)
     line = LineFromPoints(rows, account, error, steepness, plan.noise, aside, given.plan, limits)
     account.converted += sums(line)
     return line
 
 
 def _cautious(fit: Smooth, given: Points, noise: float | None) -> Smooth:
-    """Return a fit with the least noise that maps and receivers have, unless it is stated."""
-    return replace(fit, noise=max(fit.noise, LEAST_NOISE)) if given.rough and noise is None else fit
+    """Return a fit with the least noise that maps and receivers have, unless it is stated.
+
+    Between sparse nodes an estimate is too small: a curve may hide there. The least noise is that of LEAST_BEND.
+    """
+    least = min(LEAST_BEND * fit.pitch**2, LEAST_NOISE)
+    return replace(fit, noise=max(fit.noise, least)) if given.rough and noise is None else fit
 
 
 def _bias(given: Points) -> float:
@@ -189,62 +189,6 @@ def _followed(given: Points, noise: float | None) -> tuple[Points, Numbers, Smoo
         )
         way, plan = _plan(given, noise)
     return given, way, plan
-
-
-def _at(way: Numbers, given: Points, place: int) -> float:
-    """Return the length at a point of the file [m]."""
-    return float(np.interp(place, given.places, way))
-
-
-def _stated(way: Numbers, given: Points, length: Numbers) -> Numbers:
-    """Return the gradient that a map states, 0 where it states none."""
-    slope = np.zeros_like(length)
-    for first, last, gradient, _ in given.stretches:
-        if gradient is not None:
-            slope[(length >= _at(way, given, first)) & (length <= _at(way, given, last))] = gradient
-    return slope
-
-
-def _level(slope: Numbers, given: Points) -> str:
-    """Return the sentence on a line without heights."""
-    if not any(gradient is not None for *_, gradient, _ in given.stretches):
-        return "the gradient is 0: the points have no heights"
-    share = 100.0 * float(np.mean(slope != 0.0))
-    return f"the gradient is that of the tags incline, on {share:.3g} % of the line, and 0 elsewhere: no heights"
-
-
-def _limits(
-    way: Numbers, given: Points, length: Numbers, distance: Numbers, account: Account
-) -> list[tuple[float, float, float]]:
-    """Return stretches [m] with the limit of speed that a map states [m/s], equal ones joined."""
-    found: list[tuple[float, float, float]] = []
-    for first, last, _, speed in given.stretches:
-        if speed is not None:
-            begin, end = (float(np.interp(_at(way, given, one), length, distance)) for one in (first, last))
-            if found and found[-1][2] == speed and begin - found[-1][1] < FARTHEST:
-                begin = found.pop()[0]
-            found.append((begin, end, speed))
-    if found:
-        told = ", ".join(f"{3.6 * one:.4g} km/h from {begin:.0f} to {end:.0f} m" for begin, end, one in found[:LISTED])
-        more = f" and {len(found) - LISTED} more" if len(found) > LISTED else ""
-        account.taken.append(f"maxspeed, as speed_limits of the line: {told}{more}")
-    return found
-
-
-def _tell_resolved(account: Account, rows: dict[str, Numbers], error: Numbers, steepness: Numbers) -> None:
-    """Add what noisy points do not resolve, and gradients that hint at another unit."""
-    account.assumed.append(
-        f"radii above {1.0 / np.median(error):.0f} m are within the error at half of the rows, "
-        f"{1.0 / error.max():.0f} m everywhere: such curves may be straight"
-    )
-    bound, steepest = float(np.median(steepness)), float(np.max(np.abs(rows["gradient"])))
-    if math.isfinite(bound) and bound > steepest / 2.0:
-        account.assumed.append(
-            f"the gradient is not resolved: its error is up to {1e3 * bound:.2g} per mille at half of the rows, and "
-            f"the steepest gradient {1e3 * steepest:.2g} per mille"
-        )
-    if np.any(np.abs(rows["gradient"]) - steepness > STEEP) and math.isfinite(bound):
-        account.assumed.append(f"gradients reach {1e3 * steepest:.3g} per mille: check that heights are in metres")
 
 
 def _plan(given: Points, noise: float | None) -> tuple[Numbers, Smooth]:
@@ -312,12 +256,7 @@ def _gradient(way: Numbers, given: Points, plan: Smooth, length: Numbers, accoun
     """Return the rise per metre of the plan at the rows, and the bound of its error."""
     assert given.height is not None
     rise = given.height[:, None] - given.height[0]
-    if given.rough:
-        pitch = max(plan.pitch, LONGEST_OF_HEIGHTS / KNOTS)
-        choices = [smooth(way, rise, pitch, None, alike, LONGEST_OF_HEIGHTS) for alike in ALIKE]
-        heights = min(choices, key=lambda one: one.misfit)
-    else:
-        heights = smooth(way, rise, plan.pitch)
+    heights = _rough_heights(way, rise, plan, account) if given.rough else smooth(way, rise, plan.pitch)
     slope = heights.spline(length, 1)[:, 0]
     reach = max(heights.reach, RESOLVED * heights.pitch, float(length[1]))
     error = SIGMAS * _cautious(heights, given, None).deviation(length, 1) + _bias(given) * reach * _corner(
@@ -330,41 +269,24 @@ def _gradient(way: Numbers, given: Points, plan: Smooth, length: Numbers, accoun
     return slope, error
 
 
+def _rough_heights(way: Numbers, rise: Numbers, plan: Smooth, account: Account) -> Smooth:
+    """Return the heights of a map or receiver, without outliers; correlated errors if these are likelier."""
+    pitch = max(plan.pitch, LONGEST_OF_HEIGHTS / KNOTS)
+    for _ in range(ROUNDS):
+        choices = [smooth(way, rise, pitch, None, alike, LONGEST_OF_HEIGHTS) for alike in ALIKE]
+        heights = min(choices, key=lambda one: one.misfit)
+        missed = np.abs(rise - heights.spline(way))[:, 0]
+        keep = missed <= OUTLIER * max(NORMAL * float(np.median(missed)), LEAST_NOISE)
+        if np.all(keep):
+            break
+        account.assumed.append(f"heights beyond {OUTLIER:g} times their noise are left out: {np.count_nonzero(~keep)}")
+        way, rise = way[keep], rise[keep]
+    return heights
+
+
 def _aside(plan: Smooth, way: Numbers, given: Points) -> Numbers:
     along, missed = plan.spline(way, 1), given.plan - plan.spline(way)
     return np.asarray((along[:, 0] * missed[:, 1] - along[:, 1] * missed[:, 0]) / np.hypot(*along.T))
-
-
-def _tell_plan(account: Account, plan: Smooth, noise: float | None, error: Numbers) -> None:
-    origin = "estimated by generalised cross validation" if noise is None else "given"
-    account.converted.append(
-        f"curvature: x and y smoothed over {plan.reach:.1f} m by a penalised spline, noise {length_of(plan.noise)} "
-        f"({origin}); features shorter than {4.0 * max(plan.reach, RESOLVED * plan.pitch):.0f} m are blurred"
-    )
-    account.converted.append(
-        f"error of the curvature: at most {np.median(error):.2g} 1/m at half of the rows, {error.max():.2g} 1/m "
-        "everywhere, unless curvature jumps without a transition, or changes that near to an end alone"
-    )
-    if noise is not None and not 1.0 / MISMATCH <= plan.residual / noise <= MISMATCH:
-        account.assumed.append(
-            f"the noise is {length_of(noise)} as given, although the points lie {length_of(plan.residual)} beside "
-            "the line"
-        )
-
-
-def length_of(size: float) -> str:
-    """Return a small length [m] with its unit."""
-    return f"{1e3 * size:.2g} mm" if size < CENTIMETRES else f"{size:.2g} m"
-
-
-def _tell_outliers(account: Account, given: Points, aside: Numbers, noise: float) -> None:
-    far = np.flatnonzero(np.abs(aside) > OUTLIER * max(noise, 1e-4))
-    if far.size:
-        worst = int(np.argmax(np.abs(aside)))
-        account.assumed.append(
-            f"{far.size} points lie beyond {OUTLIER:g} times the noise beside the line and are used, the farthest in "
-            f"{given.word} {given.places[worst]}, {abs(aside[worst]):.3g} m: check it"
-        )
 
 
 def _check(rows: dict[str, Numbers], source: str) -> None:

@@ -63,7 +63,7 @@ def _check_system(read: Any, source: str) -> None:
 
 
 def _tags(feature: dict[str, Any]) -> dict[str, str]:
-    """Return the properties of a feature that are texts or numbers."""
+    """Return the properties of a feature that are strings or numbers."""
     given = feature.get("properties")
     items = given.items() if isinstance(given, dict) else ()
     return {name: str(value) for name, value in items if isinstance(value, str) or is_number(value)}

@@ -17,7 +17,7 @@ from readers.xml_files import inside, required
 
 #: Begins of roles of a relation's members that are not its track.
 BESIDE = ("platform", "stop", "station", "inactive")
-#: What makes a query complete.
+#: Remedy for a query without points.
 QUERY = "Ask for the points with: out geom;"
 
 
@@ -27,7 +27,7 @@ def is_overpass(read: Any) -> bool:
 
 
 def overpass_course(read: Any, asked: Sequence[str], source: str) -> Course:
-    """Return the points of the ways of Overpass JSON, joined end to end."""
+    """Return the points of Overpass JSON, its ways joined end to end."""
     if read.get("remark"):
         raise FileError(f"{source} must be whole; the query ended with {shown(read['remark'], 80)}. Repeat it.")
     elements = [one for one in list_in(read, "elements", source) if isinstance(one, dict)]
@@ -35,7 +35,7 @@ def overpass_course(read: Any, asked: Sequence[str], source: str) -> Course:
 
 
 def osm_course(root: ET.Element, asked: Sequence[str], source: str) -> Course:
-    """Return the points of the ways of an XML file, joined end to end."""
+    """Return the points of an XML file, its ways joined end to end."""
     return _course(list(_elements(root, source)), asked, source)
 
 

@@ -57,7 +57,7 @@ def _limit(tags: Mapping[str, str], backwards: bool) -> str:
 
 
 def unread(tags: Mapping[str, str], backwards: bool) -> list[str]:
-    """Return the tags of a way that state no number, as texts."""
+    """Return the tags of a way that state no number, as `name = value`."""
     limit, incline = _limit(tags, backwards), tags.get("incline", "")
     found = [f"maxspeed = {limit}"] if limit and speed_in(tags, backwards) is None else []
     return found + ([f"incline = {incline}"] if incline and gradient_in(tags, backwards) is None else [])

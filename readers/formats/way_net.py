@@ -19,16 +19,16 @@ from readers.text import FileError, shown
 #: Part of a way between junctions: index of the way, first and last point. A step along it, forwards or not.
 Part = tuple[int, int, int]
 Step = tuple[int, bool]
-#: Steps of a route with its length without the named ways [m], and sentences on its gaps.
+#: Length [m] of a route between its named ways, its steps, and messages about its gaps.
 Route = tuple[float, list[Step], list[str]]
 #: Ends that are compared with each end: itself and the nearest other one.
 NEAR = 2
-#: Largest gap before a named way [m]. Cosine of the largest turn from way to way: no vehicle turns back at a switch.
+#: Largest gap before a named way [m]. Cosine of the largest turn at a junction: no vehicle turns back at a switch.
 BRIDGED, LEAST_COSINE = 100.0, 0.0
 
 
 def course_of(ways: Sequence[Way], asked: Sequence[str], source: str, account: Account) -> Course:
-    """Return the route over drawn ways: that of the file if it is one line, or the shortest one over those named."""
+    """Return the route over drawn ways: that of the file if it is one line, or the shortest one over named ways."""
     check_size(ways, source)
     net = Net(ways, source)
     steps, gaps = net.named(asked) if asked else (net.whole(), [])
@@ -137,7 +137,7 @@ class Net:
         return ", ".join(dict.fromkeys(str(self.ways[self.parts[part][0]]) for part, _ in steps))
 
     def named(self, asked: Sequence[str]) -> tuple[list[Step], list[str]]:
-        """Return the shortest route over whole named ways, and sentences on its gaps. Raises FileError."""
+        """Return the shortest route over whole named ways, and messages about its gaps. Raises FileError."""
         routes: list[Route] = [(0.0, [], [])]
         for name in asked:
             routes = [best for way in self._runs(name) if (best := self._joined(routes, way))]
@@ -163,7 +163,7 @@ class Net:
         found = []
         for cost, steps, gaps in routes:
             if not steps:
-                # of one way alone the direction in which it is drawn is taken
+                # a single way is run as drawn
                 found.append((0.0 if way[0][1] else 1e-9, way, gaps))
             elif (between := self._between(steps[-1], way[0])) is not None:
                 found.append((cost + between[0], [*steps, *between[1], *way], gaps))

@@ -34,7 +34,7 @@ def in_degrees(places: np.ndarray) -> np.ndarray:
 
 
 def geodesic(begin: tuple[float, float], azimuth: float, length: float) -> np.ndarray:
-    """Return points of a geodesic: no force but along the normal of the ellipsoid acts on them in space."""
+    """Return points of a geodesic: the only force on a point is along the normal of the ellipsoid."""
     place, east, north = in_space(*begin)
     shape = np.array([1.0, 1.0, 1.0 / (1.0 - ECCENTRIC)])
 
