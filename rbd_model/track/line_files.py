@@ -20,7 +20,7 @@ from readers.text import BadInputError
 #: Columns by which a table is one of elements, or of points; every other table is a line.
 OF_ELEMENTS = {"type", "length"}
 ELEMENTS, POINTS, FOREIGN, LINE = "elements", "points", "a file of another program", "a line"
-MAP = "a map or a track of a receiver"
+MAP = "a course in degrees"
 #: Options, and the kinds of file that they belong to.
 OPTIONS = {
     "profile": (ELEMENTS,),

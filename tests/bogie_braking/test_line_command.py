@@ -124,7 +124,10 @@ def test_mirror_exchanges_the_sides(tmp_path: Path) -> None:
     line, other = bb.line_from_file(path), bb.line_from_file(path, mirror=True)
     for name, sign in (("curvature", -1.0), ("cant", -1.0), ("gradient", 1.0)):
         assert other.rows[name] == pytest.approx(sign * line.rows[name])
-    with pytest.raises(BadInputError, match=r"noise must be given for points alone; .* is elements. Leave it out"):
+    with pytest.raises(
+        BadInputError,
+        match=r"noise must be given for points or a course in degrees alone; .* is elements. Leave it out",
+    ):
         bb.line_from_file(path, noise=0.001)
 
 
@@ -138,7 +141,7 @@ REFUSED = {
         "tracks must be given for a file of another",
     ),
     "a speed": (["check", "elements.csv", "--speed", "0"], "--speed must be from 0.1 to 200 m/s; got 0"),
-    "a noise": (["check", "elements.csv", "--noise", "0"], "--noise must be above 0 and at most 1 m; got 0"),
+    "a noise": (["check", "elements.csv", "--noise", "0"], "--noise must be above 0 and at most 20 m; got 0"),
     "an action": (["draw", "elements.csv"], "must be one of check, import; got draw"),
 }
 

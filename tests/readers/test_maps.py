@@ -233,7 +233,5 @@ def test_files_that_are_no_course_are_refused_with_one_sentence(case: str, tmp_p
 
 def test_options_of_other_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "ride.gpx").write_text(gpx(PLACES))
-    with pytest.raises(
-        BadInputError, match=r"profile must be given for elements alone; .* is a map or a track of a rec"
-    ):
+    with pytest.raises(BadInputError, match=r"profile must be given for elements alone; .* is a course in degrees"):
         bb.line_from_file(tmp_path / "ride.gpx", profile="profile.csv")
