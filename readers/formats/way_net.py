@@ -25,6 +25,8 @@ Route = tuple[float, list[Step], list[str]]
 NEAR = 2
 #: Largest gap before a named way [m]. Cosine of the largest turn at a junction: no vehicle turns back at a switch.
 BRIDGED, LEAST_COSINE = 100.0, 0.0
+#: Times that the length of sidings and crossovers counts in a route.
+SERVICE = 5.0
 
 
 def course_of(ways: Sequence[Way], asked: Sequence[str], source: str, account: Account) -> Course:
@@ -177,6 +179,11 @@ class Net:
         gap = float(np.linalg.norm(there - here))
         return None if gap > BRIDGED or self.turns_back(one, other) else gap
 
+    def _cost(self, step: Step) -> float:
+        """Return the length of a step [m], times SERVICE on sidings and crossovers."""
+        length = float(np.sum(np.linalg.norm(np.diff(self.points(step), axis=0), axis=1)))
+        return length * (SERVICE if "service" in self.ways[self.parts[step[0]][0]].tags else 1.0)
+
     def _between(self, begin: Step, goal: Step) -> tuple[float, list[Step]] | None:
         """Return length [m] and steps of the shortest way from the end of a step to another one (Dijkstra 1959)."""
         before: dict[Step, Step] = {}
@@ -192,10 +199,10 @@ class Net:
                         route.append(step)
                         step = before[step]
                     return cost, route[::-1]
-                length = float(np.sum(np.linalg.norm(np.diff(self.points(one), axis=0), axis=1)))
-                if cost + length < costs.get(one, math.inf):
-                    costs[one], before[one] = cost + length, step
-                    heapq.heappush(queue, (cost + length, one))
+                total = cost + self._cost(one)
+                if total < costs.get(one, math.inf):
+                    costs[one], before[one] = total, step
+                    heapq.heappush(queue, (total, one))
         return None
 
 

@@ -149,6 +149,13 @@ def test_a_branch_is_refused_until_ways_are_named(tmp_path: Path) -> None:
     assert line_of(tmp_path, siding, "siding.json") == straight
 
 
+def test_a_route_takes_a_crossover_only_where_the_way_around_is_five_times_longer(tmp_path: Path) -> None:
+    around = way(12, [PLACES[14], *([a + 2e-4, b, h] for a, b, h in PLACES[16:28]), PLACES[29]])
+    crossover = WAYS[1] | {"tags": {"railway": "rail", "service": "crossover"}}
+    line = line_of(tmp_path, overpass(WAYS[0], crossover, WAYS[2], around), "ways.json", "1", "3")
+    assert line.account.taken[0] == "ways 1, 12, 3: latitude, longitude"
+
+
 def test_a_gap_is_refused_with_its_size_and_bridged_where_ways_are_named(tmp_path: Path) -> None:
     """The gap is one step of the course, 25 m, or a whole way."""
     apart = overpass(way(1, PLACES[:15]), way(3, PLACES[15:]))
