@@ -24,7 +24,15 @@ from scipy.ndimage import maximum_filter1d
 from rbd_model.track.line_pieces import SourcedLine, sums
 from rbd_model.track.line_rows import COLUMNS
 from rbd_model.track.map_tags import level_message, stated_gradient, stated_limits
-from rbd_model.track.point_account import OUTLIER, RESOLVED, length_of, tell_outliers, tell_plan, tell_resolved
+from rbd_model.track.point_account import (
+    OUTLIER,
+    RESOLVED,
+    length_of,
+    tell_outliers,
+    tell_plan,
+    tell_resolved,
+    two_digits,
+)
 from rbd_model.track.point_files import points_of, points_of_course
 from rbd_model.track.points import SAME, Points
 from rbd_model.track.smoothing import Smooth, smooth
@@ -264,7 +272,8 @@ def _gradient(way: Numbers, given: Points, plan: Smooth, length: Numbers, accoun
     )
     account.converted.append(
         f"gradient: heights smoothed over {heights.reach:.1f} m, noise {length_of(heights.noise)}; its error is at "
-        f"most {1e3 * np.median(error):.2g} per mille at half of the rows, {1e3 * error.max():.2g} everywhere"
+        f"most {two_digits(1e3 * np.median(error))} per mille at half of the rows, {two_digits(1e3 * error.max())} "
+        "everywhere"
     )
     return slope, error
 

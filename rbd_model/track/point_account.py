@@ -47,8 +47,8 @@ def tell_resolved(account: Account, rows: dict[str, Numbers], error: Numbers, st
     bound, steepest = float(np.median(steepness)), float(np.max(np.abs(rows["gradient"])))
     if math.isfinite(bound) and bound > steepest / 2.0:
         account.assumed.append(
-            f"the gradient is not resolved: its error is up to {1e3 * bound:.2g} per mille at half of the rows, and "
-            f"the steepest gradient {1e3 * steepest:.2g} per mille"
+            f"the gradient is not resolved: its error is up to {two_digits(1e3 * bound)} per mille at half of the rows, and "
+            f"the steepest gradient {two_digits(1e3 * steepest)} per mille"
         )
     if np.any(np.abs(rows["gradient"]) - steepness > STEEP) and math.isfinite(bound):
         account.assumed.append(f"gradients reach {1e3 * steepest:.3g} per mille: check that heights are in metres")
@@ -63,6 +63,11 @@ def tell_outliers(account: Account, given: Points, aside: Numbers, noise: float)
             f"{far.size} points lie beyond {OUTLIER:g} times the noise beside the line and are used, the farthest in "
             f"{given.word} {given.places[worst]}, {abs(aside[worst]):.3g} m: check it"
         )
+
+
+def two_digits(number: float) -> str:
+    """Return a number above 0 with two digits, from 100 on without decimals."""
+    return f"{number:.2g}" if number < 99.5 else f"{number:.0f}"
 
 
 def length_of(size: float) -> str:

@@ -164,8 +164,8 @@ def _checked(points: Points, error: type[ValueError]) -> Points:
         f"{points.places.size} points of {source}, {usual:.3g} m apart (median), {ways.max():.4g} m at most"
     )
     if points.recorded and ways.max() > max(GAP, GAP_TIMES * usual):
-        row = int(points.places[np.argmax(ways)])
-        account.assumed.append(f"the line is a smooth curve over the gap of {ways.max():.4g} m behind point {row}")
+        place = f"{points.word} {points.places[np.argmax(ways)]}"
+        account.assumed.append(f"the line is a smooth curve over the gap of {ways.max():.4g} m behind {place}")
     if np.hypot(*(points.plan[-1] - points.plan[0])) <= 2.0 * usual and points.places.size > 20:
         account.assumed.append("the line begins and ends at the same place: a loop, cut there")
     return replace(points, plan=points.plan - points.plan[0])

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from readers.formats.line_tracks import BACKWARDS, LISTED
-from readers.formats.ways import DIGITS, JOINED, Course, Numbers, Way, along, check_size, on_sphere
+from readers.formats.ways import DIGITS, JOINED, Course, Numbers, Way, along, check_size, on_sphere, without_repetitions
 from readers.import_account import Account
 from readers.text import FileError, shown
 
@@ -32,6 +32,7 @@ SERVICE = 5.0
 def course_of(ways: Sequence[Way], asked: Sequence[str], source: str, account: Account) -> Course:
     """Return the route over drawn ways: that of the file if it is one line, or the shortest one over named ways."""
     check_size(ways, source)
+    ways = [cleaned for way in ways if len((cleaned := without_repetitions(way)).places) > 1]
     net = Net(ways, source)
     steps, gaps = net.named(asked) if asked else (net.whole(), [])
     account.assumed += gaps

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +63,7 @@ class Course:
 def way_of(
     name: str, points: Sequence[Sequence[float]], source: str, title: str = "", tags: Mapping[str, str] | None = None
 ) -> Way | None:
-    """Return a way without repeated points, None if it has one point only. Raises FileError for wrong degrees.
+    """Return a way, None if it has one place only. Raises FileError for wrong degrees.
 
     Takes points: latitude, longitude [degrees], height [m]; NaN if unknown.
     """
@@ -74,9 +74,13 @@ def way_of(
                 f"{source}, {shown(name)}, point {row + 1}: {word} must be from {-most:g} to {most:g} degrees; got "
                 f"{places[row, column]:.10g}. Check the order of latitude and longitude."
             )
-    moved = np.any(np.diff(np.round(places[:, :2], DIGITS), axis=0) != 0.0, axis=1)
-    places = places[np.append(True, moved)] if len(places) else places
-    return Way(name, places, title, tags or {}) if len(places) > 1 else None
+    return Way(name, places, title, tags or {}) if np.any(places[1:, :2] != places[:-1, :2]) else None
+
+
+def without_repetitions(way: Way) -> Way:
+    """Return a way without points that repeat the one before."""
+    moved = np.any(np.diff(np.round(way.places[:, :2], DIGITS), axis=0) != 0.0, axis=1)
+    return replace(way, places=way.places[np.append(True, moved)])
 
 
 def on_sphere(places: Numbers) -> Numbers:
