@@ -1,4 +1,4 @@
-"""What a line from points reports: smoothing, bounds, outliers, and what noisy points do not resolve."""
+"""Messages about a line from points: smoothing, bounds, outliers, radii and gradients within the error."""
 
 from __future__ import annotations
 
@@ -46,9 +46,10 @@ def tell_resolved(account: Account, rows: dict[str, Numbers], error: Numbers, st
     )
     bound, steepest = float(np.median(steepness)), float(np.max(np.abs(rows["gradient"])))
     if math.isfinite(bound) and bound > steepest / 2.0:
+        sizes = [two_digits(1e3 * size) for size in (bound, steepest)]
         account.assumed.append(
-            f"the gradient is not resolved: its error is up to {two_digits(1e3 * bound)} per mille at half of the rows, and "
-            f"the steepest gradient {two_digits(1e3 * steepest)} per mille"
+            f"the gradient is not resolved: its error is up to {sizes[0]} per mille at half of the rows, and the "
+            f"steepest gradient {sizes[1]} per mille"
         )
     if np.any(np.abs(rows["gradient"]) - steepness > STEEP) and math.isfinite(bound):
         account.assumed.append(f"gradients reach {1e3 * steepest:.3g} per mille: check that heights are in metres")

@@ -29,8 +29,8 @@ CLOSEST, WIDEST, WIDEST_IN_DEGREES = 0.01, 100.0, 1000.0
 LARGEST_GAP, GAP, GAP_TIMES = 10_000.0, 300.0, 10.0
 #: Names of both coordinates in plan, and of the height, each with others that people use.
 EAST, NORTH, HEIGHT = ("x", "easting"), ("y", "northing"), ("z", "height", "ele", "elevation", "alt", "altitude")
-LATITUDES = ("latitude", "lat", "breite", "breitengrad")
-LONGITUDES = ("longitude", "lon", "lng", "long", "laenge", "l\u00e4nge", "laengengrad", "l\u00e4ngengrad")
+LATITUDES = ("latitude", "lat", "breitengrad")
+LONGITUDES = ("longitude", "lon", "lng", "long", "laengengrad", "l\u00e4ngengrad")
 COLUMNS = (
     *(Column(name, "m", -FARTHEST, FARTHEST) for name in (*EAST, *NORTH, *HEIGHT)),
     *(Column(name, "deg", -LATITUDE, LATITUDE) for name in LATITUDES),

@@ -13,7 +13,7 @@ from readers.import_account import Account
 Numbers = NDArray[np.float64]
 #: Fewest points. Points closer than this are one point [m].
 FEWEST, SAME = 8, 1e-3
-#: Receivers that stand: so many points within a radius of their mean [m] are one.
+#: Receivers that stand: SEVERAL and more points within a radius of their mean [m] are one.
 SEVERAL, RADIUS = 4, 20.0
 #: Distance of neighbours that are averaged where a receiver turns back [m], share of points that may be jumps.
 NEIGHBOURS, MOST_JUMPS = 40.0, 0.01
@@ -26,7 +26,7 @@ class Points:
     Attributes
     ----------
     source : str
-        Where they are from, for messages.
+        Name of the file for messages.
     plan : array, shape (n, 2)
         East and north [m], from the first point.
     height : array, shape (n,), optional
@@ -36,11 +36,11 @@ class Points:
     account : Account
         Use of the input.
     rough : bool
-        Whether the points are of a map or a receiver, with noise of metres and correlated heights.
+        Whether the points are of a map or a receiver, with noise of metres.
     recorded : bool
-        Whether points that lie far beside the line are left out.
+        Whether points far beside the line are left out.
     stretches : list
-        First and last place, rise per metre and limit of speed [m/s] that a map states, None if it does not.
+        First and last place, rise per metre and limit of speed [m/s] of a map; None if it is not stated.
     word : str
         What a place counts.
     """
