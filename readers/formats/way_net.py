@@ -51,6 +51,7 @@ class Net:
 
     def __init__(self, ways: Sequence[Way], source: str) -> None:
         self.ways, self.source = ways, source
+        self._spots = [on_sphere(way.places) for way in ways]
         labels = _labels(ways)
         shared = Counter(label for one in labels for label in one)
         self.parts: list[Part] = []
@@ -71,7 +72,7 @@ class Net:
     def points(self, step: Step) -> Numbers:
         """Return the points of a step on a sphere, in its direction."""
         number, first, last = self.parts[step[0]]
-        found = on_sphere(self.ways[number].places[first : last + 1])
+        found = self._spots[number][first : last + 1]
         return found if step[1] else found[::-1]
 
     def turns_back(self, one: Step, other: Step) -> bool:
