@@ -212,6 +212,62 @@ def find_patch(
     return TouchingPatch.of(chain.call(touching, given, constants))
 
 
+@dataclass(frozen=True)
+class CreepingPatch:
+    """Sliding and creep of a patch in its directions `along` the rail and `sideways`, and its normal force [N].
+
+    `axes` are those that yaw and roll with the wheelset. `slides` are the results of `how_it_slides` against the rail.
+    `drift`, `closing`: the rail's drift into the wheel [1] and the speed at which both close in [m/s].
+    """
+
+    axes: ca.SX
+    along: ca.SX
+    sideways: ca.SX
+    drift: ca.SX
+    closing: ca.SX
+    slides: ca.SX
+    slope: RailSlope
+    normal: ca.SX
+    creep_along: ca.SX
+    creep_aside: ca.SX
+
+
+def creep_on_patch(
+    chain: Chain,
+    state: PatchState,
+    track: TurningTrack,
+    fixed: PatchConstants,
+    patch: TouchingPatch,
+    creeping: Part,
+) -> CreepingPatch:
+    """Return sliding and creep of a patch, (3.89)-(3.105); creeping: a `creep_of_wheel`."""
+    axes = turned_by(fixed.cosines)
+    along = axes[0, :].T
+    sideways = ca.cross(patch.normal, along)
+    own_rate = ca.vertcat(state.roll_rate, state.angular_velocity, state.yaw_rate)
+    velocity = ca.vertcat(state.forward, state.sideways, state.rise)
+    sliding = chain.narrow(axes.T @ velocity + ca.cross(own_rate, patch.arm))
+    # The rail's section moves sideways and upwards as the wheelset moves along.
+    beside_rail = ca.vertcat(0, state.offset, state.height) + axes @ patch.arm
+    sections = state.slopes + ca.cross(track.turning, beside_rail)[1:]
+    drift = chain.narrow(ca.dot(patch.across, sections) / track.stretch)
+    closing = state.forward * drift - ca.dot(patch.normal, sliding)
+    curvatures = patch.curvature_along, patch.curvature_across
+    normal = chain.narrow(damped(patch.load, closing, fixed.damping))
+
+    directions = along, sideways, patch.normal
+    slides = how_it_slides(sliding, own_rate, directions, state.forward, fixed.creepage_speed)
+    slope = RailSlope.of(chain, track, patch, sideways, sections, drift)
+    slides = chain.narrow(slope.slides(slides, closing, state.angular_velocity))
+    friction = state.friction * friction_over_angle(-fixed.wheel[0] * patch.across[0], fixed.gauge_face)
+    given = ca.vertcat(slides, *curvatures, normal, friction)
+    creep = chain.call(creeping, given, ca.vertcat(fixed.shear_modulus, fixed.surface))
+    # The law does not model loads below the smallest. Without load the creep force is 0.
+    share = normal / at_least(normal, SMALLEST_LOAD)
+    forces = share * creep[0], share * creep[1]
+    return CreepingPatch(axes, along, sideways, drift, closing, slides, slope, normal, *forces)
+
+
 def press(
     chain: Chain,
     state: PatchState,
@@ -225,33 +281,10 @@ def press(
     The elastic force is that of the stored energy, and its moment has no part about the wheel's own axis. Damping acts
     along the normal at the contact. creeping: a `creep_of_wheel`.
     """
-    axes = turned_by(fixed.cosines)
-    along = axes[0, :].T
-    sideways = ca.cross(patch.normal, along)
-    own_rate = ca.vertcat(state.roll_rate, state.angular_velocity, state.yaw_rate)
-    velocity = ca.vertcat(state.forward, state.sideways, state.rise)
-    sliding = chain.narrow(axes.T @ velocity + ca.cross(own_rate, patch.arm))
-    # The rail's section moves sideways and upwards as the wheelset moves along.
-    beside_rail = ca.vertcat(0, state.offset, state.height) + axes @ patch.arm
-    sections = state.slopes + ca.cross(track.turning, beside_rail)[1:]
-    drift = chain.narrow(ca.dot(patch.across, sections) / track.stretch)
-    closing = state.forward * drift - ca.dot(patch.normal, sliding)
-    curvatures = patch.curvature_along, patch.curvature_across
-    elastic = patch.load
-    normal = chain.narrow(damped(elastic, closing, fixed.damping))
-
-    directions = along, sideways, patch.normal
-    slides = how_it_slides(sliding, own_rate, directions, state.forward, fixed.creepage_speed)
-    slope = RailSlope.of(chain, track, patch, sideways, sections, drift)
-    slides = chain.narrow(slope.slides(slides, closing, state.angular_velocity))
-    friction = state.friction * friction_over_angle(-fixed.wheel[0] * patch.across[0], fixed.gauge_face)
-    given = ca.vertcat(slides, *curvatures, normal, friction)
-    creep = chain.call(creeping, given, ca.vertcat(fixed.shear_modulus, fixed.surface))
-    # The law does not model loads below the smallest. Without load the creep force is 0.
-    share = normal / at_least(normal, SMALLEST_LOAD)
-    creep_along, creep_aside = share * creep[0], share * creep[1]
-    ahead_force, side_force, pressing = slope.forces(creep_along, creep_aside, normal - elastic)
-    own = ahead_force * along + side_force * sideways + pressing * patch.normal
+    creep, elastic = creep_on_patch(chain, state, track, fixed, patch, creeping), patch.load
+    axes, slope, drift, normal = creep.axes, creep.slope, creep.drift, creep.normal
+    ahead_force, side_force, pressing = slope.forces(creep.creep_along, creep.creep_aside, normal - elastic)
+    own = ahead_force * creep.along + side_force * creep.sideways + pressing * patch.normal
     across = pressing * patch.across + side_force * ca.vertcat(patch.across[1], -patch.across[0])
     pushed, moment = patch.push[:2], ca.vertcat(patch.push[3], 0, patch.push[2] / fixed.cosines[2])
     # The rail's section moves and turns as the wheelset moves along: the elastic force does virtual work on it.
@@ -259,10 +292,10 @@ def press(
     behind = (ca.dot(pushed, moving) + ca.dot(axes @ moment, track.turning)) / track.stretch
     return Press(
         ca.vertcat(ahead_force - behind - drift * pressing, pushed + across),
-        ca.cross(patch.arm, own) + moment + ca.vertcat(0, slope.lead * creep_aside, 0),
-        creep_along,
-        -creep_along * slides[0] - creep_aside * slides[1],
+        ca.cross(patch.arm, own) + moment + ca.vertcat(0, slope.lead * creep.creep_aside, 0),
+        creep.creep_along,
+        -creep.creep_along * creep.slides[0] - creep.creep_aside * creep.slides[1],
         patch.approach,
-        (normal - elastic) * closing,
+        (normal - elastic) * creep.closing,
         patch.stored,
     )
