@@ -24,6 +24,7 @@ LONGEST = 60
 ELSEWHERE = {
     "creep_law": 'a vehicle has it: dataclasses.replace(bogie_braking.vehicle("coach"), creep_law="fastsim").',
     "poisson_ratio": 'a vehicle has it: dataclasses.replace(bogie_braking.vehicle("coach"), poisson_ratio=0.28).',
+    "contact_outputs": 'a vehicle has it: dataclasses.replace(bogie_braking.vehicle("coach"), contact_outputs=True).',
 }
 #: A day [s], the longest step of an instance: duration.h of the runtime.
 LONGEST_TIME = 86400.0

@@ -47,8 +47,9 @@ TOLERANCE = 1e-6
 LEVEL, LEVELS = 2, (1, 2, 3)
 #: Time to compile the equations of a level, for each wheelset, on two processors [s].
 COMPILING = {1: 2.0, 2: 2.0, 3: 4.0}
-#: Values that choose the creep law of a vehicle's treads, and the Poisson's ratio of its wheels and rails.
-CREEP_LAW, STEEL = "creep_law", "poisson_ratio"
+#: Values that choose the creep law of a vehicle's treads, the Poisson's ratio of its wheels and rails, and outputs of
+#: its contacts.
+CREEP_LAW, STEEL, CONTACTS = OF_VEHICLE = "creep_law", "poisson_ratio", "contact_outputs"
 #: Vehicles as data, by the names of their FMUs.
 VEHICLES: Mapping[str, Callable[[], Vehicle]] = {
     "bogie": two_axle_bogie,
@@ -96,35 +97,34 @@ def vehicle(name: str) -> Vehicle:
 
 
 def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Runnable, dict[str, Any]]:
-    """Return what runs and its values, without a vehicle from a file, `creep_law` and
-    `poisson_ratio`.
+    """Return what runs and its values, without a vehicle from a file and without values of OF_VEHICLE.
 
     A vehicle from a file becomes its FMU or its description, with its values, which those of the caller replace. An
-    empty path does not replace its contact tables. A vehicle with another creep law or ratio than its own becomes its
-    description with this law or ratio.
+    empty path does not replace its contact tables. A vehicle with another creep law, ratio or outputs than its own
+    becomes its description with these.
     """
     if not isinstance(what, DataSheet):
         return _with_contact(what, dict(values))
     in_space = values.get("level", LEVEL) == LEVELS[-1]
     table = {PAIR_FILE.variable.name: joined(what.profile_files)} if what.profile_files and in_space else {}
     given = {name: value for name, value in values.items() if name not in table or value != ""}
-    if what.fmu is None or {CREEP_LAW, STEEL} & {*values}:
+    if what.fmu is None or {*OF_VEHICLE} & {*values}:
         # Equations of its own: they have its masses and springs, and not the parameters of other levels.
         return _with_contact(what.vehicle, dict(what.resistance) | table | given)
     return _with_contact(what.fmu, what.values_at(values.get("level", LEVEL)) | table | given)
 
 
 def _with_contact(what: Runnable, values: dict[str, Any]) -> tuple[Runnable, dict[str, Any]]:
-    """Return a vehicle with `creep_law` and `poisson_ratio` of the values, and the other values; what is not one, as it
-    is.
-    """
+    """Return a vehicle with the values of OF_VEHICLE, and the other values; what is not one, as it is."""
     name = fmu_named(what) if isinstance(what, str) else ""
-    if not {CREEP_LAW, STEEL} & {*values} or not (isinstance(what, Vehicle) or name in VEHICLES):
+    if not {*OF_VEHICLE} & {*values} or not (isinstance(what, Vehicle) or name in VEHICLES):
         return what, values
     own = what if isinstance(what, Vehicle) else VEHICLES[name]()
-    law = _law_named(values.get(CREEP_LAW, own.creep_law))
-    changed = replace(own, creep_law=law, poisson_ratio=values.get(STEEL, own.poisson_ratio))
-    rest = {one: value for one, value in values.items() if one not in (CREEP_LAW, STEEL)}
+    mine = {one: values[one] for one in OF_VEHICLE if one in values}
+    if CREEP_LAW in mine:
+        mine[CREEP_LAW] = _law_named(mine[CREEP_LAW])
+    changed = replace(own, **mine)
+    rest = {one: value for one, value in values.items() if one not in OF_VEHICLE}
     return what if changed == own else changed, rest
 
 
@@ -202,6 +202,11 @@ def _places(what: Vehicle, values: Mapping[str, Any], on_line: bool) -> tuple[in
     places = places_of(level, depth, on_line)
     if not places:
         raise ValueError(f"contact_model must be {DEPTH_ON_LINE} on a line; got {depth}.")
+    if what.contact_outputs and (level, depth) != (LEVELS[-1], DEPTH_ON_LINE):
+        raise ValueError(
+            f"{CONTACTS} must come with level {LEVELS[-1]} and contact_model {DEPTH_ON_LINE}; got level {level} and "
+            f"contact_model {depth}. No other model computes these contacts."
+        )
     for pair in {wheelset.equal_sides for wheelset in what.wheelsets} if (level, depth) == (3, 1) else ():
         check_one_contact(pair)
     return places

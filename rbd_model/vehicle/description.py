@@ -495,6 +495,9 @@ class Vehicle:
         kalker-to-coulomb in contact model 2. Strips (contact model 3) have their own law and accept only "default".
     poisson_ratio : float
         Poisson's ratio of wheels and rails [1], 0 to 0.5: of Kalker's coefficients and of the contact's stiffness.
+    contact_outputs : bool
+        Whether creepages, creep forces, places and wear numbers of each tread and flange are outputs, at level 3 with
+        contact model 2.
 
     Raises
     ------
@@ -511,6 +514,7 @@ class Vehicle:
     pulls: tuple[Pull, ...] = ()
     creep_law: str = DEFAULT_LAW
     poisson_ratio: float = POISSON_RATIO
+    contact_outputs: bool = False
 
     def __post_init__(self) -> None:
         check(self)
@@ -572,6 +576,8 @@ def check(vehicle: Vehicle) -> None:
         law, known = vehicle.creep_law, ", ".join(laws)
         raise _refused(vehicle, f"creep_law must be one of {known}; got {shown(law)}. Name one, or add yours to LAWS")
     checked_ratio(vehicle.poisson_ratio)
+    if not isinstance(vehicle.contact_outputs, bool):
+        raise _refused(vehicle, f"contact_outputs must be True or False; got {shown(vehicle.contact_outputs)}")
     if not vehicle.bodies or not vehicle.wheelsets:
         raise _refused(vehicle, "give it at least one body and one wheelset")
     for user, asked, there in _references(vehicle, ends):

@@ -1,6 +1,7 @@
 """Inputs and outputs of a vehicle, the same at every level of detail. Wheelset 1 is the leading one."""
 
 import math
+from dataclasses import dataclass
 from itertools import product
 
 from fmu_src.system import Variable
@@ -12,6 +13,33 @@ from rbd_model.vehicle.description import RigidBody, Vehicle
 WORDS = {1: ("leading",), 2: ("leading", "trailing"), 3: ("leading", "middle", "trailing")}
 #: Largest friction for which the contact laws are meaningful; dry steel on steel stays below 0.8.
 HIGHEST_FRICTION = 2.0
+
+
+@dataclass(frozen=True)
+class OfContact:
+    """A quantity of the contacts of a tread or flange; weighted: their mean by normal force, otherwise their sum."""
+
+    name: str
+    unit: str
+    text: str
+    weighted: bool
+
+
+#: Quantities of each tread and flange of a vehicle with `contact_outputs`. Sideways is to the left, in the plane of the
+#: contact. Creepages are those of the wheel against the rail.
+OF_CONTACT = (
+    OfContact("creepage_along", "1", "Longitudinal creepage", True),
+    OfContact("creepage_aside", "1", "Lateral creepage, positive if the wheel slides to the left", True),
+    OfContact("creepage_spin", "1/m", "Spin creepage", True),
+    OfContact("creep_force_along", "N", "Longitudinal creep force on the wheel", False),
+    OfContact("creep_force_aside", "N", "Lateral creep force on the wheel, positive to the left", False),
+    OfContact("normal_force", "N", "Normal force", False),
+    OfContact("contact_position", "m", "Place of the contact on the wheel's profile, positive to the field side", True),
+    OfContact("rail_position", "m", "Place of the contact on the rail's profile, positive to the field side", True),
+    OfContact("contact_angle", "rad", "Angle of the contact to the track, positive if it pushes inwards", True),
+    OfContact("contact_area", "m2", "Area of the contact by Hertz", False),
+    OfContact("wear_number", "N", "T-gamma: creep forces times creepages, energy for each metre, without spin", False),
+)
 
 
 def _input(name: str, unit: str, description: str, start: float = 0.0, minimum: float = -math.inf) -> Variable:
@@ -142,6 +170,12 @@ def outputs(vehicle: Vehicle) -> dict[str, Variable]:
         ),
         *each("guiding_force", "N", "Sum of the lateral forces of both rails on the {} wheelset, positive to the left"),
     ]
+    if vehicle.contact_outputs:
+        for one, place in product(OF_CONTACT, ("tread", "flange")):
+            text = f"{one.text}: {place} of the {{side}} wheel, {{place}} wheelset; level 3, contact_model 2"
+            rows += each_wheel(f"{one.name}_{place}", one.unit, text)
+        text = "T-gamma of the {side} wheel, {place} wheelset: sum of tread and flange; level 3, contact_model 2"
+        rows += each_wheel("wear_number", "N", text)
     return {row.name: row for row in rows}
 
 

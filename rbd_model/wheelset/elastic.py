@@ -18,6 +18,7 @@ from rbd_model.track.irregularity import Section
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import Wheelset
 from rbd_model.vehicle.scales import NOMINAL_TRAVEL_SPEED
+from rbd_model.wheelset.contact_outputs import add_contact_outputs
 from rbd_model.wheelset.in_space import (
     END_MARGIN,
     NOMINAL_ROLL,
@@ -215,6 +216,8 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
     of_tread = system.call(room_of_tread(), given, ca.vertcat(fixed.cosines, fixed.wheel, ends, profiles.record))
     room = ca.vertcat(-of_tread, -watched[2] - profiles.wheel_limits[0])
     each = force_of_each(assembly, number, index, feeling)
+    if assembly.vehicle.contact_outputs:
+        add_contact_outputs(assembly, f"{number}_{list(SIDES.values())[index]}", feeling, profiles.record)
     return WheelFound(WheelPress.of(pressed), each, (watched[0], watched[1]), room, ca.vertcat(*whole))
 
 
