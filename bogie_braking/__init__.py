@@ -12,6 +12,7 @@ from fmu_src import __version__ as __version__
 
 if TYPE_CHECKING:
     from bogie_braking import parts as parts
+    from bogie_braking import running as running
     from bogie_braking.batches import batch as batch
     from bogie_braking.batches import instances as instances
     from bogie_braking.calibration import fit as fit
@@ -54,7 +55,7 @@ if TYPE_CHECKING:
 
 #: Module of each public name; it is imported on first use.
 _HOMES = {
-    "bogie_braking": ("parts",),
+    "bogie_braking": ("parts", "running"),
     "bogie_braking.batches": ("batch", "instances"),
     "bogie_braking.calibration": ("fit",),
     "bogie_braking.fitting": ("Fit",),

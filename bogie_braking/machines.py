@@ -96,6 +96,15 @@ def vehicle(name: str) -> Vehicle:
     return VEHICLES[known(name, VEHICLES, "vehicle")]()
 
 
+def described(what: str | DataSheet | Vehicle) -> Vehicle:
+    """Return the description of a built-in vehicle, of one from a file or of your own. Raises KeyError, TypeError."""
+    if isinstance(what, DataSheet):
+        return what.vehicle
+    if isinstance(what, Vehicle):
+        return what
+    return vehicle(what)
+
+
 def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Runnable, dict[str, Any]]:
     """Return what runs and its values, without a vehicle from a file and without values of OF_VEHICLE.
 

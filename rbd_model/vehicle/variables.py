@@ -25,8 +25,8 @@ class OfContact:
     weighted: bool
 
 
-#: Quantities of each tread and flange of a vehicle with `contact_outputs`. Sideways is to the left, in the plane of the
-#: contact. Creepages are those of the wheel against the rail.
+#: Quantities of each tread and flange of a vehicle with `contact_outputs`. Aside is to the left, tangential to
+#: the contact. Creepages are those of the wheel against the rail.
 OF_CONTACT = (
     OfContact("creepage_along", "1", "Longitudinal creepage", True),
     OfContact("creepage_aside", "1", "Lateral creepage, positive if the wheel slides to the left", True),

@@ -52,9 +52,10 @@ def rolling(tmp_path_factory: pytest.TempPathFactory) -> Rows:
 
 
 def test_wear_number_times_speed_is_the_energy_that_a_coasting_bogie_loses(rolling: Rows) -> None:
-    power = rolling["speed"] * sum(rolling[f"wear_number_{wheel}"] for wheel in WHEELS)
+    power = rolling["speed"] * np.sum([rolling[f"wear_number_{wheel}"] for wheel in WHEELS], axis=0)
     worn = simpson(power, x=rolling["time"])
-    energy = sum(rolling[name] for name in ("kinetic_energy", "potential_energy", "integral_damping_power"))
+    names = ("kinetic_energy", "potential_energy", "integral_damping_power")
+    energy = np.sum([rolling[name] for name in names], axis=0)
     lost = energy[0] - energy[-1]
     assert lost > 3e4
     assert rolling["integral_damping_power"][-1] < 0.2 * lost

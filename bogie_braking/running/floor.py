@@ -1,0 +1,128 @@
+"""Accelerations at a point of a body, as sensors on its floor measure them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bogie_braking.checks import known, line_or_none, number, shown
+from bogie_braking.machines import described
+from bogie_braking.running.filters import finite, interval_of
+from fmu_src.cosimulation.recording import Recording
+from products.vehicle_file import DataSheet
+from rbd_model.track.line import Line
+from rbd_model.track.line_table import GAUGE
+from rbd_model.vehicle.description import Vehicle
+
+#: Degree of the splines through the rows whose derivatives are taken.
+DEGREE = 5
+#: Largest distance of a point from the middle of a body [m].
+FARTHEST = 50.0
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """Motion of a body over rails: place of its centre in the axes of the track [m], angles [rad], gravity [m/s2]."""
+
+    time: np.ndarray
+    lateral: np.ndarray
+    height: np.ndarray
+    roll: np.ndarray
+    pitch: np.ndarray
+    yaw: np.ndarray
+    gravity: float
+
+    @classmethod
+    def of(cls, recording: Recording, vehicle: Vehicle, body: str) -> _Motion:
+        """Return that of a body by its name. Raises KeyError."""
+        data = {one.name: one for one in vehicle.bodies}[known(body, [one.name for one in vehicle.bodies], "body")]
+        lateral, bounce, roll, pitch, yaw = (
+            finite(recording, data.variable(motion)) for motion in ("lateral", "bounce", "roll", "pitch", "yaw")
+        )
+        height = vehicle.number(vehicle.wheelsets[0].mean_radius) + vehicle.number(data.height)
+        return cls(recording["time"], lateral, height + bounce, roll, pitch, yaw, vehicle.number("gravity"))
+
+
+def floor_accelerations(
+    recording: Recording,
+    vehicle: str | DataSheet | Vehicle,
+    place: Sequence[float],
+    body: str = "body",
+    line: Line | None = None,
+) -> Recording:
+    """Return the accelerations at a point of a rigid body, as sensors there measure them.
+
+    They are derivatives of the recorded motion, in the axes of the body and with the part of gravity that its roll and
+    pitch turn into these axes. The vertical one is 0 at rest. A shorter recording interval gives them more precisely.
+
+    Parameters
+    ----------
+    recording : Recording
+        Run of the vehicle at level 3 with `distance`, `speed`, `acceleration`, and lateral, bounce, roll, pitch and yaw
+        of the body, every 5 ms or more often.
+    vehicle : str, DataSheet or Vehicle
+        The vehicle of the run; it gives the height of the body's centre of gravity, and gravity.
+    place : sequence of float
+        Place of the point [m]: ahead of the body's centre, to the left of it, and above the rails.
+    body : str
+        Name of the body, such as "body" or "front_frame".
+    line : Line, optional
+        Line of the run. Its curvature, cant and gradient add to the accelerations; without it the track is straight.
+
+    Returns
+    -------
+    Recording
+        `time`, `distance`, and `acceleration_x`, `acceleration_y`, `acceleration_z` [m/s2]: ahead, to the left, up.
+
+    Raises
+    ------
+    KeyError
+        If the vehicle, the body or a column is unknown.
+    ValueError
+        If the place is not three numbers within 50 m, or rows are uneven or more than 5 ms apart.
+    """
+    x, y, z = _place(place)
+    interval_of(recording)
+    own = _Motion.of(recording, described(vehicle), body)
+    time, distance, speed = own.time, finite(recording, "distance"), finite(recording, "speed")
+    laid = line_or_none(line)
+    curvature, cant, gradient = (
+        np.zeros_like(time) if laid is None else laid.value(name, distance)
+        for name in ("curvature", "cant", "gradient")
+    )
+    track_roll = -np.arcsin(cant / GAUGE)
+    roll = own.roll + track_roll
+    turning, tipping = _slope(time, roll, 2), _slope(time, own.pitch, 2)
+    yawing = _slope(time, own.yaw, 2) + _slope(time, speed * curvature, 1)
+    # Of the centre of gravity, level: the axes of the track roll about the rails.
+    cosine, sine = np.cos(track_roll), np.sin(track_roll)
+    inwards = speed**2 * curvature + _slope(time, own.lateral * cosine - own.height * sine, 2)
+    rising = speed * _slope(time, gradient, 1) + _slope(time, own.height * cosine + own.lateral * sine, 2)
+    above = z - own.height
+    ahead = finite(recording, "acceleration") + above * tipping - y * yawing - own.gravity * (own.pitch - gradient)
+    aside = inwards * np.cos(roll) + (own.gravity + rising) * np.sin(roll) - above * turning + x * yawing
+    up = (own.gravity + rising) * np.cos(roll) - inwards * np.sin(roll) - own.gravity + y * turning - x * tipping
+    units = {"time": "s", "distance": "m"} | dict.fromkeys((f"acceleration_{axis}" for axis in "xyz"), "m/s2")
+    return Recording(units, np.column_stack([time, distance, ahead, aside, up]))
+
+
+def _place(place: Sequence[float]) -> tuple[float, float, float]:
+    try:
+        found = [number(one) for one in place]
+    except TypeError:
+        found = []
+    if len(found) != 3 or not all(abs(one) <= FARTHEST for one in found):
+        raise ValueError(
+            f"place must be three numbers within {FARTHEST:g} m; got {shown(place)}. Give x ahead, y to the left, z "
+            "above the rails."
+        )
+    return found[0], found[1], found[2]
+
+
+def _slope(time: np.ndarray, values: np.ndarray, order: int) -> np.ndarray:
+    """Return a derivative of a column by time."""
+    from scipy.interpolate import make_interp_spline  # heavy
+
+    return np.asarray(make_interp_spline(time, values, min(DEGREE, time.size - 1)).derivative(order)(time))

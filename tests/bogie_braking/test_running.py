@@ -1,0 +1,203 @@
+"""Test quantities of running behaviour against closed forms and other published formulas."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import make_interp_spline
+from scipy.signal import lsim
+
+import bogie_braking as bb
+from fmu_src.kernel import Kernel
+from fmu_src.system import model_of
+from rbd_model.contact.depth import Contact
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.vehicle.ready import two_axle_bogie
+from tests.fmu_src.quick_library import quick_library
+
+STEP, SPEED = 2e-3, 20.0
+#: Errors: percentiles of a sampled sine; filters on windows that do not end with a period.
+PERCENTILE_BAND, WINDOW_BAND = 2e-3, 5e-3
+#: Sperling's formulas of 1941 (amplitudes) and of 1956 (weighting) for one vibration.
+SPERLING_BAND = 0.03
+
+
+def recording(duration: float, **columns: object) -> bb.Recording:
+    """Return rows at a constant speed; columns: numbers, or functions of time [s]."""
+    time = STEP * np.arange(round(duration / STEP) + 1)
+    whole = {"time": time, "distance": SPEED * time, "speed": SPEED, "acceleration": 0.0} | columns
+    rows = [one(time) if callable(one) else one + np.zeros_like(time) for one in whole.values()]
+    return bb.Recording(dict.fromkeys(whole, "1"), np.column_stack(rows))
+
+
+def on_rails(duration: float, **columns: object) -> bb.Recording:
+    """Return rows of one wheelset of 120 kN."""
+    forces = {"axle_load_1": 120e3, "guiding_force_1": 0.0}
+    for side in ("left", "right"):
+        wheel = f"1_{side}"
+        forces |= {f"wheel_load_{wheel}": 60e3, f"lateral_force_{wheel}": 0.0, f"derailment_quotient_{wheel}": 0.0}
+    return recording(duration, **(forces | columns))
+
+
+@pytest.mark.parametrize("frequency", [1.3, 4.1, 12.7])
+def test_a_sine_of_the_guiding_force_passes_low_pass_mean_and_percentile(frequency: float) -> None:
+    """Butterworth's response by the bilinear transform, the mean of a sine over 2 m, and its distribution."""
+    force = 30e3
+    ride = on_rails(60.0, guiding_force_1=lambda t: force * np.sin(2 * np.pi * frequency * t))
+    table = bb.running.en14363(ride, [(100.0, 1100.0)])
+    ratio = np.tan(np.pi * frequency * STEP) / np.tan(np.pi * 20.0 * STEP)
+    low_passed = force / np.sqrt(1 + ratio**8)
+    expected = low_passed * abs(np.sinc(2.0 * frequency / SPEED)) * np.sin(np.pi * (0.9985 - 0.5))
+    assert abs(table["guiding_force_1_2m"][0]) == pytest.approx(expected, abs=PERCENTILE_BAND * force)
+
+
+def test_quasi_static_and_extreme_values_are_percentiles_of_each_section() -> None:
+    """A wheel load that grows linearly is evenly distributed, and the low-pass delays it by a constant time."""
+    delay = 2.6131 / (2 * np.pi * 20.0)  # sum of the terms of first order of Butterworth's fourth
+    ride = on_rails(50.0, wheel_load_1_left=lambda t: 50e3 + 400.0 * t)
+    table = bb.running.en14363(ride, [(200.0, 400.0), (400.0, 1000.0)])
+    for row, (begin, end) in enumerate(((10.0, 20.0), (20.0, 50.0))):
+        middle, upper = (50e3 + 400.0 * (begin + share * (end - begin) - delay) for share in (0.5, 0.9985))
+        assert table["wheel_load_1_left_quasi_static"][row] == pytest.approx(middle, abs=1.0)
+        assert table["wheel_load_1_left_largest"][row] == pytest.approx(upper, abs=1.0)
+
+
+def test_the_verdict_names_the_value_that_is_nearest_to_its_limit() -> None:
+    table = bb.running.en14363(on_rails(5.0, guiding_force_1=-55e3, derailment_quotient_1_right=0.6))
+    assert table.messages[0] == (
+        "Sum of guiding forces, mean over 2 m: 55.0 kN, ABOVE the limit of 50.0 kN (wheelset 1, section 0)."
+    )
+    assert table.messages[1] == "Y/Q, mean over 2 m: 0.60, within the limit of 0.80 (wheelset 1 right, section 0)."
+
+
+#: Factors of Wd at third octaves [Hz], ISO 2631-1:1997, table 3.
+PRINTED = {0.5: 0.853, 1.0: 1.011, 2.0: 0.890, 4.0: 0.512, 8.0: 0.253}
+
+
+@pytest.mark.parametrize("frequency", PRINTED)
+def test_mean_comfort_of_a_lateral_sine_has_the_printed_factor(frequency: float) -> None:
+    ride = recording(
+        320.0, acceleration_x=0.0, acceleration_y=lambda t: np.sin(2 * np.pi * frequency * t), acceleration_z=0.0
+    )
+    found = bb.running.mean_comfort(ride)
+    assert found["windows"][0] == 64
+    assert found["mean_comfort"][0] == pytest.approx(6 * PRINTED[frequency] / np.sqrt(2), rel=WINDOW_BAND)
+
+
+def test_mean_comfort_of_a_vertical_sine_is_that_of_the_filter_in_time() -> None:
+    """Wb as one differential equation, integrated by SciPy: the product multiplies spectra by its response."""
+    ride = recording(20.0, acceleration_x=0.0, acceleration_y=0.0, acceleration_z=lambda t: np.sin(40.0 * t))
+
+    def second(own: float, resonance: float) -> np.ndarray:
+        return np.array([1 / (2 * np.pi * own) ** 2, 1 / (resonance * 2 * np.pi * own), 1.0])
+
+    above = np.polymul(
+        [0.4 / (2 * np.pi * 0.4) ** 2, 0.0, 0.0], np.polymul([1 / (2 * np.pi * 16.0), 1.0], second(2.5, 0.8))
+    )
+    below = np.polymul(
+        np.polymul(second(0.4, 0.5**0.5), second(100.0, 0.5**0.5)), np.polymul(second(16.0, 0.63), second(4.0, 0.8))
+    )
+    _, passed, _ = lsim((above, below), ride["acceleration_z"], ride["time"])
+    sizes = np.sqrt(np.mean(passed[: 4 * 2500].reshape(4, 2500) ** 2, axis=1))
+    found = bb.running.mean_comfort(ride)
+    assert found["mean_comfort"][0] == pytest.approx(6 * np.percentile(sizes, 95.0), rel=WINDOW_BAND)
+    assert found.status == "Mean comfort from 4 windows of 5 s; EN 12299 takes 60."
+
+
+@pytest.mark.parametrize("frequency", [1.0, 3.0, 5.0, 10.0])
+def test_sperlings_index_of_a_sine_is_that_of_his_formula_for_amplitudes(frequency: float) -> None:
+    """W_z = 0.896 (a^3 F(f) / f)^(1/10) with a in cm/s2: Sperling's first formula has other factors of frequency."""
+    ride = recording(
+        60.0,
+        acceleration_y=lambda t: 0.1 * np.sin(2 * np.pi * frequency * t),
+        acceleration_z=lambda t: 0.2 * np.sin(2 * np.pi * frequency * t),
+    )
+    found = bb.running.sperling(ride)
+    of_lateral = 0.8 * frequency**2 if frequency < 5.4 else 650 / frequency**2
+    of_vertical = 0.325 * frequency**2 if frequency < 5.9 else 400 / frequency**2
+    for name, amplitude, factor in (("lateral", 10.0, of_lateral), ("vertical", 20.0, of_vertical)):
+        expected = 0.896 * (amplitude**3 * factor / frequency) ** 0.1
+        assert found[f"sperling_{name}"][0] == pytest.approx(expected, rel=SPERLING_BAND)
+
+
+def test_accelerations_of_a_point_follow_from_the_turning_of_its_body() -> None:
+    """Small sines of roll, pitch and yaw: by v' = a x r, and gravity by the roll and pitch of the sensor."""
+    omega, size = 6.0, {"roll": 1e-3, "pitch": 2e-3, "yaw": 3e-3}
+    motions = {f"body_{name}": lambda t, a=a: a * np.sin(omega * t) for name, a in size.items()}
+    ride = recording(2.0, body_lateral=0.0, body_bounce=0.0, **motions)
+    coach = bb.vehicle("coach")
+    height = coach.number(coach.wheelsets[0].mean_radius) + coach.number(coach.bodies[0].height)
+    found = bb.running.floor_accelerations(ride, "coach", (9.0, 1.0, height - 0.6))
+    wave = np.sin(omega * ride["time"])
+    roll, pitch, yaw = (-(omega**2) * a * wave for a in size.values())
+    gravity = coach.number("gravity") * wave
+    expected = {
+        "x": -0.6 * pitch - 1.0 * yaw - 2e-3 * gravity,
+        "y": 0.6 * roll + 9.0 * yaw + 1e-3 * gravity,
+        "z": 1.0 * roll - 9.0 * pitch,
+    }
+    for axis, values in expected.items():
+        assert np.ptp(values) > 0.02
+        assert found[f"acceleration_{axis}"][5:-5] == pytest.approx(values[5:-5], abs=2e-5)
+
+
+def test_accelerations_in_a_curve_are_those_of_the_place_in_space(tmp_path: Path) -> None:
+    """Derivatives of the frame's place in inertial axes, turned by its heading and roll."""
+    vehicle = two_axle_bogie()
+    system = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(2), on_line=True)
+    system = system.with_outputs([f"frame_{name}" for name in ("ahead", "aside", "above", "heading")])
+    before, curve = bb.straight(20), bb.arc(length=60, radius=150, cant=0.05)
+    line = bb.line_of([before, bb.clothoid(30, before, curve), curve])
+    path = str(line.write(tmp_path / "line.csv"))
+    kernel = Kernel(quick_library(model_of(system, 1e-8)), line_file=path, initial_speed=12.0, tolerance=1e-8)
+    names = [one.name for one in system.variables if one.causality == "output"]
+    table = kernel.record(6.0, STEP, names)
+    ride = bb.Recording(dict.fromkeys(table, "1"), np.column_stack(list(table.values())))
+    time, body = ride["time"], vehicle.bodies[0]
+    height = vehicle.number(vehicle.wheelsets[0].mean_radius) + vehicle.number(body.height)
+    found = bb.running.floor_accelerations(ride, vehicle, (0.0, 0.0, height), "frame", line)
+    ahead, aside, above = (
+        make_interp_spline(time, ride[f"frame_{name}"], 5).derivative(2)(time) for name in ("ahead", "aside", "above")
+    )
+    heading = ride["frame_heading"]
+    inwards = np.cos(heading) * aside - np.sin(heading) * ahead
+    roll = ride[body.variable("roll")] - np.arcsin(line.value("cant", ride["distance"]) / 1.5)
+    expected = inwards * np.cos(roll) + (9.81 + above) * np.sin(roll)
+    assert expected.max() > 0.7
+    assert found["acceleration_y"] == pytest.approx(expected, abs=2e-3)
+    assert found["acceleration_z"] == pytest.approx(
+        (9.81 + above) * np.cos(roll) - inwards * np.sin(roll) - 9.81, abs=1e-4
+    )
+
+
+def test_a_wear_map_keeps_the_energy_and_finds_the_curve() -> None:
+    before, curve = bb.straight(100), bb.arc(length=200, radius=500)
+    line = bb.line_of([before, bb.clothoid(50, before, curve), curve])
+    ride = recording(15.0, wear_number_1_left=lambda t: np.where(SPEED * t > 150.0, 200.0, 10.0))
+    along = bb.running.wear_map(ride, 30.0)
+    worn = np.trapezoid(ride["wear_number_1_left"], ride["distance"])
+    assert along["length"] @ along["wear_number_1_left"] == pytest.approx(worn, rel=1e-12)
+    assert along["distance"].tolist() == [15.0 + 30.0 * n for n in range(10)]
+    by_curvature = bb.running.wear_map(ride, 1e-3, line)
+    assert by_curvature["curvature"] == pytest.approx([0.0, 1e-3, 2e-3])
+    assert by_curvature["wear_number_1_left"][[0, 2]] == pytest.approx([10.0, 200.0], rel=0.2)
+
+
+def test_recordings_that_cannot_be_assessed_are_refused() -> None:
+    ride = on_rails(2.0)
+    coarse = bb.Recording(ride.units, np.column_stack([ride[name][::5] for name in ride.names]))
+    with pytest.raises(ValueError, match=r"interval of the rows must be at most 0\.005 s; got 0\.01 s"):
+        bb.running.en14363(coarse)
+    with pytest.raises(ValueError, match="within the run, 0 to 40 m; got 0 to 50 m"):
+        bb.running.en14363(ride, [(0, 50)])
+    with pytest.raises(ValueError, match="distance must grow from row to row"):
+        bb.running.en14363(on_rails(2.0, distance=0.0))
+    with pytest.raises(ValueError, match="must last at least 5 s"):
+        bb.running.mean_comfort(recording(2.0, acceleration_x=0.0, acceleration_y=0.0, acceleration_z=0.0))
+    with pytest.raises(KeyError, match="run with contact_outputs=True"):
+        bb.running.wear_map(ride, 10.0)
+    with pytest.raises(ValueError, match="place must be three numbers within 50 m"):
+        bb.running.floor_accelerations(ride, "coach", (9000.0, 0.0, 1.0))
