@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from bogie_braking.fitting import Fit as Fit
     from bogie_braking.fmus import fmu as fmu
     from bogie_braking.fmus import write_fmu as write_fmu
+    from bogie_braking.hunting import critical_speed as critical_speed
+    from bogie_braking.hunting import modes as modes
     from bogie_braking.machines import vehicle as vehicle
     from bogie_braking.measured_data import measured_from as measured_from
     from bogie_braking.pairs import pair as pair
@@ -60,6 +62,7 @@ _HOMES = {
     "bogie_braking.calibration": ("fit",),
     "bogie_braking.fitting": ("Fit",),
     "bogie_braking.fmus": ("fmu", "write_fmu"),
+    "bogie_braking.hunting": ("critical_speed", "modes"),
     "bogie_braking.machines": ("vehicle",),
     "bogie_braking.measured_data": ("measured_from",),
     "bogie_braking.pairs": ("pair", "profile"),

@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from bogie_braking.hunting import Subject, large_speed_of, linear_speed_of, modes_of, start_of
 from bogie_braking.machines import Runnable
 from bogie_braking.simulation import Simulation, run
-from bogie_braking.vehicle_files.hunting import large_speed_of, linear_speed_of, modes_of, start_of
 from products.machine import filling_by_time
 from products.vehicle_file import BRAKED_FMU, DataSheet
 from rbd_model.linear import Mode
 from rbd_model.track.friction import RailCondition, dry, low, very_low, wet
-from rbd_model.vehicle.parameters import VehicleParameters
 
 #: Speeds of the stops [km/h], and rails.
 SPEEDS = (40.0, 80.0, 120.0, 160.0)
@@ -28,7 +27,6 @@ KILOMETRES_PER_HOUR = 3.6
 TOLD = 2.0
 #: Speed at which modes are computed [m/s], and damping above which a mode is not listed.
 MODES_AT, OVERDAMPED = 10.0, 0.9
-MOTIONS = ("shift", "lateral", "bounce", "roll", "pitch", "yaw")
 
 
 @dataclass(frozen=True)
@@ -69,10 +67,11 @@ def check_of(
     modes, hunting = None, None
     if with_modes and sheet.fmu is not None:
         progress("natural modes and linear critical speed in 3D")
-        modes, linear = tuple(modes_of(sheet, MODES_AT)), linear_speed_of(sheet)
+        subject = Subject.of(sheet)
+        modes, linear = tuple(modes_of(subject, MODES_AT)), linear_speed_of(subject)
         progress("lowest speed at which a large motion persists")
-        start = start_of(sheet)
-        hunting = Hunting(linear, large_speed_of(sheet, start, at_times(progress)), start)
+        start = start_of(subject)
+        hunting = Hunting(linear, large_speed_of(subject, start, at_times(progress)), start)
     distances = None
     if sheet.brake:
         progress("stops from four speeds on four rails")
@@ -122,22 +121,3 @@ def stopping_distance(sheet: DataSheet, speed: float, rail: RailCondition) -> fl
         brake = {f"brake_torque_{number}": lambda t: torque * share(t) for number in numbers}
     ended = run(what, LONGEST, None, ["distance", "speed"], 1.0, **values, **brake)
     return float(ended["distance"][-1]) if ended["speed"][-1] < 0.05 else float("nan")
-
-
-def motion_of(mode: Mode, sheet: DataSheet) -> str:
-    """Return the body and motion with the largest displacement in a mode, in words; angles count at half the base."""
-    parameters = sheet.parameters
-    reach = {"body": parameters.pivot_distance / 2} if isinstance(parameters, VehicleParameters) else {}
-
-    def size(name: str) -> float:
-        body, _, motion = name.rpartition("_")
-        arm = reach.get(body, parameters.wheel_base / 2) if motion in ("pitch", "yaw") else 1.0
-        return abs(mode.shape[name]) * arm
-
-    named = [name for name in mode.shape if name.rpartition("_")[2] in MOTIONS or name in MOTIONS]
-    wheels = [name for name in mode.shape if name.startswith("lateral_")]
-    largest = max([*named, *wheels], key=size)
-    if largest in wheels:
-        return f"hunting of wheelset {largest.rpartition('_')[2]}"
-    body, _, motion = largest.rpartition("_")
-    return f"{motion} of the {body.replace('_', ' ')}" if body else f"{motion} of the body"

@@ -9,6 +9,7 @@ import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
+from bogie_braking.hunting import FASTEST, FRICTION, HIGHEST, LARGE, TOLERANCE, motion_of
 from bogie_braking.reporting.plots import png_of
 from bogie_braking.reporting.text_table import text_table
 from bogie_braking.vehicle_files.check import (
@@ -18,9 +19,7 @@ from bogie_braking.vehicle_files.check import (
     SPEEDS,
     Hunting,
     VehicleCheck,
-    motion_of,
 )
-from bogie_braking.vehicle_files.hunting import FASTEST, FRICTION, HIGHEST, LARGE, TOLERANCE
 from bogie_braking.vehicle_files.picture import picture
 from products.vehicle_connections import table_of
 from rbd_model.contact.creep.laws import DEFAULT_LAW
@@ -54,7 +53,9 @@ def tables_of(check: VehicleCheck) -> list[Table]:
         found.append((title, ("km/h", *rails), rows))
     if check.modes is not None:
         shown = [mode for mode in check.modes if mode.damping_ratio < OVERDAMPED]
-        rows = [(f"{one.frequency:.2f}", f"{100 * one.damping_ratio:.0f} %", motion_of(one, sheet)) for one in shown]
+        rows = [
+            (f"{one.frequency:.2f}", f"{100 * one.damping_ratio:.0f} %", motion_of(one, sheet.vehicle)) for one in shown
+        ]
         found.append((f"Natural modes at 36 km/h, up to {HIGHEST:g} Hz", ("Hz", "damping", "motion"), rows))
     if check.hunting is not None:
         found.append(critical_table(check, check.hunting))

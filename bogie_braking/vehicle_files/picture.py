@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
+from bogie_braking.hunting import FASTEST
 from bogie_braking.reporting.plots import BOGIE, FOUR, LEADING, LINES, TRAILING, one_word, plt, titled
 from bogie_braking.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, VehicleCheck
-from bogie_braking.vehicle_files.hunting import FASTEST
 from rbd_model.vehicle.parameters import VehicleParameters
 
 #: Height of the drawn body above its lower edge [m]; nothing in a file gives it.
