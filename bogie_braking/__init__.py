@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from bogie_braking.batches import batch as batch
     from bogie_braking.batches import instances as instances
     from bogie_braking.calibration import fit as fit
+    from bogie_braking.creep_curves import creep_curve as creep_curve
     from bogie_braking.fitting import Fit as Fit
     from bogie_braking.fmus import fmu as fmu
     from bogie_braking.fmus import write_fmu as write_fmu
@@ -54,12 +55,16 @@ if TYPE_CHECKING:
     from rbd_model.track.line_elements import line_from_elements as line_from_elements
     from rbd_model.track.line_files import line_from_file as line_from_file
     from rbd_model.track.line_points import line_from_points as line_from_points
+    from rbd_model.track.spectra import SPECTRA as SPECTRA
+    from rbd_model.track.spectra import Spectrum as Spectrum
+    from rbd_model.track.spectra import irregular as irregular
 
 #: Module of each public name; it is imported on first use.
 _HOMES = {
     "bogie_braking": ("parts", "running"),
     "bogie_braking.batches": ("batch", "instances"),
     "bogie_braking.calibration": ("fit",),
+    "bogie_braking.creep_curves": ("creep_curve",),
     "bogie_braking.fitting": ("Fit",),
     "bogie_braking.fmus": ("fmu", "write_fmu"),
     "bogie_braking.hunting": ("critical_speed", "modes"),
@@ -85,6 +90,7 @@ _HOMES = {
     "rbd_model.track.line_elements": ("line_from_elements",),
     "rbd_model.track.line_files": ("line_from_file",),
     "rbd_model.track.line_points": ("line_from_points",),
+    "rbd_model.track.spectra": ("SPECTRA", "Spectrum", "irregular"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 #: Prefix of a package's name: empty in a checkout, this package in a wheel.

@@ -355,7 +355,7 @@ def critical_speed(vehicle: str | DataSheet | Vehicle, amplitude: float | None =
     Returns
     -------
     float
-        The speed [m/s], searched from 10 to 150 m/s; infinite if there is none, and 10 if it is below.
+        The speed [m/s], searched from 10 to 150 m/s: infinite if it is above, 10 if it is below.
 
     Raises
     ------

@@ -131,13 +131,13 @@ def _with_contact(what: Runnable, values: dict[str, Any]) -> tuple[Runnable, dic
     own = what if isinstance(what, Vehicle) else VEHICLES[name]()
     mine = {one: values[one] for one in OF_VEHICLE if one in values}
     if CREEP_LAW in mine:
-        mine[CREEP_LAW] = _law_named(mine[CREEP_LAW])
+        mine[CREEP_LAW] = law_named(mine[CREEP_LAW])
     changed = replace(own, **mine)
     rest = {one: value for one, value in values.items() if one not in OF_VEHICLE}
     return what if changed == own else changed, rest
 
 
-def _law_named(law: object) -> str:
+def law_named(law: object) -> str:
     """Return the name of a creep law, a function of the user among them, which gets a name of its own in LAWS."""
     if callable(law):
         check_own_law(law, getattr(law, "__name__", "law"))

@@ -15,8 +15,9 @@ from fmu_src.cosimulation.recording import Recording
 CUT_OFF, WINDOW, PITCH = 20.0, 2.0, 0.5
 #: Percentiles of extreme and of quasi-static values.
 LOWER, UPPER, MIDDLE = 0.15, 99.85, 50.0
-#: Limits, as secondary sources print them for EN 14363 and UIC 518 (the text of the standard was not at hand): sum of
-#: the guiding forces, of 10 kN and a third of the static axle load; Y/Q; quasi-static Y (2005 edition) and Q [N].
+#: Limit of the sum of guiding forces: 10 kN and a third of the static axle load. Limits of Y/Q, and of quasi-static Y
+#: (edition of 2005) and Q [N]. They are those of EN 14363 and UIC 518 in secondary sources. The standard's text was
+#: not at hand.
 TRACK_SHIFT, TRACK_SHIFT_SHARE = 10e3, 1 / 3
 DERAILMENT, GUIDING, LOAD = 0.8, 60e3, 145e3
 #: Largest number of sections.
@@ -83,8 +84,9 @@ def en14363(
     Parameters
     ----------
     recording : Recording
-        Run at level 3, every 5 ms or more often, with `distance`, and for each wheelset `axle_load`, `guiding_force`,
-        and of both wheels `wheel_load`, `lateral_force` and `derailment_quotient`. The vehicle moves forward.
+        Run at level 3 with a row every 5 ms or more often, of a vehicle that moves forward. Its columns are `distance`,
+        `axle_load` and `guiding_force` of each wheelset, and `wheel_load`, `lateral_force` and `derailment_quotient`
+        of each wheel.
     sections : sequence of (float, float), optional
         Begin and end of each section [m], at least 2 m long; by default the whole run is one.
     static_axle_loads : sequence of float, optional

@@ -78,7 +78,7 @@ def mean_comfort(accelerations: Recording) -> Recording:
     -------
     Recording
         One row: `windows`, `mean_comfort`, `acceleration_x_95`, `acceleration_y_95`, `acceleration_z_95` [m/s2]. A
-        message tells if there are fewer windows than in a test.
+        message states if these are fewer windows than in a test.
 
     Raises
     ------

@@ -60,10 +60,10 @@ def floor_accelerations(
     Parameters
     ----------
     recording : Recording
-        Run of the vehicle at level 3 with `distance`, `speed`, `acceleration`, and lateral, bounce, roll, pitch and yaw
-        of the body, every 5 ms or more often.
+        Run of the vehicle at level 3 with a row every 5 ms or more often. Its columns are `distance`, `speed`,
+        `acceleration`, and lateral, bounce, roll, pitch and yaw of the body.
     vehicle : str, DataSheet or Vehicle
-        The vehicle of the run; it gives the height of the body's centre of gravity, and gravity.
+        The vehicle of the run. It has the height of the body's centre of gravity.
     place : sequence of float
         Place of the point [m]: ahead of the body's centre, to the left of it, and above the rails.
     body : str

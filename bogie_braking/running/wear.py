@@ -23,7 +23,7 @@ def wear_map(recording: Recording, width: float, line: Line | None = None) -> Re
     Parameters
     ----------
     recording : Recording
-        Run with `distance` and wear numbers, from a run with `contact_outputs=True`.
+        A run with `contact_outputs=True`.
     width : float
         Width of a class: of distance [m], or with a line of curvature [1/m].
     line : Line, optional
@@ -32,8 +32,8 @@ def wear_map(recording: Recording, width: float, line: Line | None = None) -> Re
     Returns
     -------
     Recording
-        A row for each class in which the vehicle travels: `distance` [m] or `curvature` [1/m] in the middle of the
-        class, `length` [m] that the vehicle travels in it, and the mean of each wear number [N].
+        A row for each class: the `distance` [m] or `curvature` [1/m] in its middle, the `length` [m] that the vehicle
+        travels in it, and the mean of each wear number [N].
 
     Raises
     ------

@@ -30,11 +30,8 @@ from readers.text import FileError
 NAMES = tuple(column.name for column in LINE.columns)
 #: Rows of a line that is built: largest distance between two of them [m], and largest turn between two of them [rad].
 ROW_DISTANCE, ROW_TURN = 5.0, 0.02
-#: Largest number of rows of a line that is built. Largest product of rows and waves in `irregular`: some minutes.
-MOST_ROWS, MOST_PRODUCTS = 1_000_000, 1e10
-#: Length of line without irregularities at its start, and length over which they grow to their size after it [m]. A
-#: vehicle thus starts with all wheels on rails in their nominal position.
-QUIET, GROWTH = 15.0, 35.0
+#: Largest number of rows of a line that is built.
+MOST_ROWS = 1_000_000
 #: Columns whose corners are rounded by cubics, because their integrals are looked up too. Friction keeps its corners.
 #: All other columns have two continuous derivatives.
 #: JUMP [m]: length over which a jump of friction is spread.
@@ -567,74 +564,3 @@ def joined(segments: Sequence[Segment]) -> list[Segment]:
         if len(found) > 1 and not segment.length > 2 * ROUNDING:
             raise ValueError(f"A segment is {segment.length:g} m long; corners are rounded over {2 * ROUNDING:g} m.")
     return found
-
-
-@dataclass(frozen=True)
-class Spectrum:
-    """Power spectral densities of a track [m2/(rad/m)], by wave number W [rad/m], two-sided.
-
-    A W_c^2 / ((W^2 + W_r^2)(W^2 + W_c^2)) is the lateral and the vertical density of the centre line. That of half of
-    the cross level is the vertical one times W^2 / (W^2 + W_s^2).
-    """
-
-    lateral: float
-    vertical: float
-    cut: float = 0.8246
-    rise: float = 0.0206
-    level: float = 0.4380
-
-    def of_centre(self, size: float, number: np.ndarray) -> np.ndarray:
-        """Return the density of the lateral or vertical irregularity [m2/(rad/m)] at wave numbers [rad/m]."""
-        return np.asarray(size * self.cut**2 / ((number**2 + self.rise**2) * (number**2 + self.cut**2)))
-
-    def of_level(self, number: np.ndarray) -> np.ndarray:
-        """Return the density of half of the cross level [m2/(rad/m)] at wave numbers [rad/m]."""
-        return self.of_centre(self.vertical, number) * number**2 / (number**2 + self.level**2)
-
-
-#: ERRI B176 (1993), as published by H. Claus and W. Schiehlen (1998), Modeling and simulation of railway bogie
-#: structural vibrations, Vehicle System Dynamics 29 (S1), 538-552.
-ERRI_LOW, ERRI_HIGH = Spectrum(2.119e-7, 4.032e-7), Spectrum(6.125e-7, 1.08e-6)
-
-
-def irregular(
-    line: Line, spectrum: Spectrum, seed: int, waves: tuple[float, float] = (3.0, 100.0), pitch: float = 0.25
-) -> Line:
-    """Return the line with irregularities of both rails by random phases.
-
-    They grow after its start: QUIET, GROWTH.
-
-    Takes waves [m], pitch [m].
-    """
-    if not pitch * 8 <= waves[0] < waves[1]:
-        raise ValueError(
-            f"Waves from {waves[0]:g} to {waves[1]:g} m need rows every {waves[0] / 8:g} m, not {pitch:g} m."
-        )
-    needed, count = line.length / pitch if pitch > 0.0 else math.inf, 2 * line.length / waves[1] + 200.0
-    if not (needed <= MOST_ROWS and needed * count <= MOST_PRODUCTS):
-        raise ValueError(
-            f"A line must have at most {MOST_ROWS} rows, and {MOST_PRODUCTS:g} rows times waves; {line.length:g} m by "
-            f"a pitch of {pitch:g} m are {needed:.3g} rows of {count:.3g} waves. Give a longer pitch or a shorter line."
-        )
-    old = line.rows["distance"]
-    distance = np.unique(np.concatenate([old, np.arange(old[0], old[-1], pitch)]))
-    distance = distance[np.append(np.diff(distance) > pitch / 10, True)]
-    rows = {name: line.value(name, distance) for name in line.rows} | {"distance": distance}
-    random = np.random.default_rng(seed)
-    share = np.clip((distance - distance[0] - QUIET) / GROWTH, 0.0, 1.0)
-    growth = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
-    numbers = np.linspace(2 * math.pi / waves[1], 2 * math.pi / waves[0], 2 * math.ceil(line.length / waves[1]) + 200)
-
-    def wave(density: np.ndarray) -> np.ndarray:
-        sizes = np.sqrt(2 * density * (numbers[1] - numbers[0]) / math.pi)
-        phases = random.uniform(0.0, 2 * math.pi, numbers.size)
-        parts = [a * np.cos(n * distance + p) for a, n, p in zip(sizes, numbers, phases, strict=True)]
-        return growth * np.sum(parts, axis=0)
-
-    lateral = wave(spectrum.of_centre(spectrum.lateral, numbers))
-    vertical = wave(spectrum.of_centre(spectrum.vertical, numbers))
-    level = wave(spectrum.of_level(numbers))
-    added = {"left_lateral": lateral, "right_lateral": lateral}
-    added |= {"left_vertical": vertical + level, "right_vertical": vertical - level}
-    rows |= {name: rows.get(name, 0.0) + values for name, values in added.items()}
-    return Line({name: rows[name] for name in NAMES if name in rows})

@@ -19,7 +19,8 @@ from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from products.kernel_runs import prepare_on_line
-from rbd_model.track.line import ERRI_LOW, Line, irregular, line_of, straight
+from rbd_model.track.line import Line, line_of, straight
+from rbd_model.track.spectra import ERRI_LOW, irregular
 from scenarios.bench.curves import into_curve, suited_speed
 
 WHEELS = [f"{number}_{side}" for number in (1, 2, 3, 4) for side in ("left", "right")]

@@ -24,18 +24,9 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, SimulationError
 from products.building import units_of
 from products.kernel_runs import prepare, prepare_on_line
-from rbd_model.track.line import (
-    ERRI_LOW,
-    Line,
-    Segment,
-    arc,
-    clothoid,
-    irregular,
-    line_of,
-    read_line,
-    straight,
-)
+from rbd_model.track.line import Line, Segment, arc, clothoid, line_of, read_line, straight
 from rbd_model.track.line_table import GAUGE
+from rbd_model.track.spectra import ERRI_LOW, irregular
 from rbd_model.vehicle.ready import two_axle_bogie
 from readers.text import FileError
 from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD

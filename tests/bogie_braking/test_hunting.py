@@ -109,7 +109,7 @@ def test_critical_speeds_are_those_of_the_profiles_of_the_file(tmp_path: Path) -
 
 
 def test_the_bounce_of_a_coach_is_that_of_two_masses_on_two_springs() -> None:
-    """Car body and both frames, vertically, on dampers as printed; contacts are 100 times stiffer than springs."""
+    """Car body and both frames move vertically on springs and dampers; wheels stand on rigid rails."""
     modes, vehicle = bb.modes("coach", 30.0), bb.vehicle("coach")
 
     def size(name: str) -> float:

@@ -27,20 +27,9 @@ from rbd_model.levels.point import point_vehicle
 from rbd_model.levels.resistance import curve_share
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import ballasted_track, irregular_track, section_5_3
-from rbd_model.track.line import (
-    ERRI_HIGH,
-    ERRI_LOW,
-    NAMES,
-    Line,
-    Segment,
-    arc,
-    clothoid,
-    irregular,
-    line_of,
-    read_line,
-    straight,
-)
+from rbd_model.track.line import NAMES, Line, Segment, arc, clothoid, line_of, read_line, straight
 from rbd_model.track.line_table import GAUGE
+from rbd_model.track.spectra import ERRI_HIGH, ERRI_LOW, Spectrum, irregular
 from rbd_model.vehicle.description import HOLDABLE, RigidBody, Springs, Vehicle, Wheelset
 from rbd_model.vehicle.ready import two_axle_bogie
 from tests.fmu_src.quick_library import quick_library
@@ -673,13 +662,20 @@ def test_a_line_is_read_as_it_was_written(tmp_path: Path) -> None:
 
 
 def test_a_spectrum_gives_its_own_variance() -> None:
-    """Mean square of a long track against the integral of the density over both signs of the wave number, over 2 pi."""
-    line = irregular(line_of([straight(4000)]), ERRI_LOW, seed=1)
-    lateral = line.rows["left_lateral"]
+    """Mean square of a long track against the integral of the density over both signs of the wave number, over 2 pi.
+
+    For class 6 the integral is that of the one-sided density in cm2/(rad/m).
+    """
     numbers = np.linspace(2 * math.pi / 100, 2 * math.pi / 3, 20001)
-    density = ERRI_LOW.of_centre(ERRI_LOW.lateral, numbers)
-    variance = float(np.sum(density) * (numbers[1] - numbers[0]) / math.pi)
-    assert np.var(lateral) == pytest.approx(variance, rel=0.1)
+    of_class_6 = 1e-4 * 0.25 * 0.0339 * 0.8245**2 / (numbers**2 * (numbers**2 + 0.8245**2))
+    for name, density in (("erri-low", ERRI_LOW.of_centre(2.119e-7, numbers) / math.pi), ("fra-6", of_class_6)):
+        line = irregular(line_of([straight(4000)]), name, seed=1)
+        variance = float(np.sum(density) * (numbers[1] - numbers[0]))
+        assert np.var(line.rows["left_lateral"]) == pytest.approx(variance, rel=0.1)
+    with pytest.raises(ValueError, match=r"spectrum must be one of erri-low, .*; got 'erri'"):
+        irregular(line_of([straight(100)]), "erri")
+    with pytest.raises(ValueError, match="lateral of a spectrum must be a number of at least 0; got -1"):
+        Spectrum(-1.0, 1.0)
     one, other = (irregular(line_of([straight(100)]), ERRI_LOW, seed).rows["left_lateral"] for seed in (1, 2))
     assert not np.array_equal(one, other)
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from rbd_model.track.irregularity import track_from_points
-from rbd_model.track.line import ERRI_LOW, Line, arc, irregular, line_of, straight
+from rbd_model.track.line import Line, arc, line_of, straight
+from rbd_model.track.spectra import ERRI_LOW, irregular
 
 LINE = line_of([straight(200.0)])
 

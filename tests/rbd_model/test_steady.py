@@ -19,8 +19,9 @@ from rbd_model.contact.depth import Contact
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.levels.steady import NO_STEADY_STATE
 from rbd_model.track.irregularity import irregular_track, section_5_3
-from rbd_model.track.line import ERRI_HIGH, ERRI_LOW, Line, arc, clothoid, irregular, line_of, straight
+from rbd_model.track.line import Line, arc, clothoid, line_of, straight
 from rbd_model.track.line_table import GAUGE
+from rbd_model.track.spectra import ERRI_HIGH, ERRI_LOW, irregular
 from rbd_model.vehicle.description import FrictionSlider, SeriesDamper, Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie
 from scenarios.bench.curves import suited_speed

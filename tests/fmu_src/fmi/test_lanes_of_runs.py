@@ -15,7 +15,8 @@ import pytest
 from fmu_src import compile as compiling
 from fmu_src.codegen import KERNEL_SOURCES, RUNTIME, STUDY_SOURCES, generate
 from products.registry import model_of
-from rbd_model.track.line import ERRI_HIGH, arc, irregular, line_of
+from rbd_model.track.line import arc, line_of
+from rbd_model.track.spectra import ERRI_HIGH, irregular
 from tests.fmu_src.fmi.sanitized import SANITIZERS
 from tests.needed import needed
 
