@@ -45,6 +45,7 @@ DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test
 OF_DEMO = {"bogie": "BogieDynamics.fmu", "brake": "BrakeCylinder.fmu", "braked-vehicle": "BrakedVehicle.fmu"}
 #: Pages whose kernels take half a minute and more to compile.
 SLOW = {"README.md", "CONTRIBUTING.md", "docs/controller.md", "docs/hosts.md", "docs/public.md", "docs/training.md"}
+SLOW |= {"docs/running-behaviour.md"}
 #: Commands that take more than some seconds, and their replacements; `make test-long` runs the originals.
 SHORT = {
     "python build_fmu.py ssp": "python build_fmu.py brake",

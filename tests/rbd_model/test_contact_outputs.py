@@ -96,7 +96,7 @@ def test_place_and_area_on_straight_track_are_those_of_rigid_profiles_and_of_her
     def integrals(short: float) -> tuple[float, float]:
         return float(ellipk(1 - short**2)), float(ellipe(1 - short**2))
 
-    def ratio(short: float) -> float:  # B / A of semi-axes 1 and short, Johnson (1985), (4.25)
+    def ratio(short: float) -> float:  # B / A of semi-axes 1 and short, Johnson (1985), section 4.2
         k, e = integrals(short)
         return (e / short**2 - k) / (k - e)
 
