@@ -55,7 +55,6 @@ if TYPE_CHECKING:
     from rbd_model.track.line_elements import line_from_elements as line_from_elements
     from rbd_model.track.line_files import line_from_file as line_from_file
     from rbd_model.track.line_points import line_from_points as line_from_points
-    from rbd_model.track.spectra import SPECTRA as SPECTRA
     from rbd_model.track.spectra import Spectrum as Spectrum
     from rbd_model.track.spectra import irregular as irregular
 
@@ -90,7 +89,7 @@ _HOMES = {
     "rbd_model.track.line_elements": ("line_from_elements",),
     "rbd_model.track.line_files": ("line_from_file",),
     "rbd_model.track.line_points": ("line_from_points",),
-    "rbd_model.track.spectra": ("SPECTRA", "Spectrum", "irregular"),
+    "rbd_model.track.spectra": ("Spectrum", "irregular"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 #: Prefix of a package's name: empty in a checkout, this package in a wheel.

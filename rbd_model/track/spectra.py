@@ -49,6 +49,29 @@ class Spectrum:
             if not (isinstance(value, Real) and 0.0 <= float(value) < math.inf):
                 raise ValueError(f"{one.name} of a spectrum must be a number of at least 0; got {value!r}.")
 
+    @classmethod
+    def named(cls, name: str) -> Spectrum:
+        """Return a published spectrum.
+
+        Parameters
+        ----------
+        name : str
+            "erri-low", "erri-high", or "fra-1" to "fra-6"; the numbers of the FRA's classes are unverified.
+
+        Returns
+        -------
+        Spectrum
+            Its densities.
+
+        Raises
+        ------
+        ValueError
+            If the name is unknown.
+        """
+        if name not in SPECTRA:
+            raise ValueError(f"spectrum must be one of {', '.join(SPECTRA)}, or a Spectrum; got {name!r}.")
+        return SPECTRA[name]
+
     def of_centre(self, size: float, number: np.ndarray) -> np.ndarray:
         """Return the density of the lateral or vertical irregularity.
 
@@ -107,15 +130,6 @@ SPECTRA = {
 }
 
 
-def spectrum_of(what: str | Spectrum) -> Spectrum:
-    """Return a spectrum by its name, or as it is. Raises ValueError."""
-    if isinstance(what, Spectrum):
-        return what
-    if what not in SPECTRA:
-        raise ValueError(f"spectrum must be one of {', '.join(SPECTRA)}, or a Spectrum; got {what!r}.")
-    return SPECTRA[what]
-
-
 def irregular(
     line: Line,
     spectrum: str | Spectrum = "erri-low",
@@ -150,7 +164,7 @@ def irregular(
     ValueError
         If the spectrum is unknown, the pitch too long, or the table too large.
     """
-    densities = spectrum_of(spectrum)
+    densities = spectrum if isinstance(spectrum, Spectrum) else Spectrum.named(spectrum)
     if not pitch * 8 <= waves[0] < waves[1]:
         raise ValueError(
             f"Waves from {waves[0]:g} to {waves[1]:g} m need rows every {waves[0] / 8:g} m, not {pitch:g} m."
