@@ -8,11 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from bogie_braking.checks import number, shown
-from bogie_braking.running.filters import finite, interval_of, low_pass, sliding_mean
+from bogie_braking.running.filters import band_pass, finite, interval_of, low_pass, sliding_mean
 from fmu_src.cosimulation.recording import Recording
 
 #: Cut-off frequency of the forces [Hz], window of the sliding mean and the distance of its places [m].
 CUT_OFF, WINDOW, PITCH = 20.0, 2.0, 0.5
+#: Frequencies of accelerations of the car body that passengers feel [Hz].
+RIDE = (0.4, 10.0)
 #: Percentiles of extreme and of quasi-static values.
 LOWER, UPPER, MIDDLE = 0.15, 99.85, 50.0
 #: Limit of the sum of guiding forces: 10 kN and a third of the static axle load. Limits of Y/Q, and of quasi-static Y
@@ -55,7 +57,12 @@ class Assessed:
 
 def _extreme(column: Filtered, section: tuple[float, float]) -> float:
     """Return the percentile of either sign that is larger in size."""
-    low, high = np.percentile(column.mean_in(section), [LOWER, UPPER])
+    return _larger(column.mean_in(section))
+
+
+def _larger(values: np.ndarray) -> float:
+    """Return that of both extreme percentiles which is larger in size."""
+    low, high = np.percentile(values, [LOWER, UPPER])
     return float(high if abs(high) >= abs(low) else low)
 
 
@@ -112,13 +119,7 @@ def en14363(
         If a section is not within the run or shorter than 2 m, rows are uneven or more than 5 ms apart, or the vehicle
         does not move forward.
     """
-    interval, distance = interval_of(recording), finite(recording, "distance")
-    if not np.all(np.diff(distance) > 0.0):
-        row = int(np.flatnonzero(np.diff(distance) <= 0.0)[0])
-        raise ValueError(
-            f"distance must grow from row to row; got {distance[row + 1]:g} m after {distance[row]:g} m. "
-            "Leave out rows in which the vehicle stands or rolls back."
-        )
+    interval, distance = interval_of(recording), _growing(recording)
     places = _sections(sections, distance)
     assessed = _assessed(_static_loads(recording, static_axle_loads))
     columns = {
@@ -130,6 +131,60 @@ def en14363(
     table = Recording(units, rows)
     table.messages += _verdicts(table, assessed)
     return table
+
+
+def ride_accelerations(accelerations: Recording, sections: Sequence[tuple[float, float]] | None = None) -> Recording:
+    """Return accelerations of EN 14363 for the ride characteristics of a car body, in each section of a run.
+
+    Extreme and r.m.s. values are those of a band-pass of 0.4 to 10 Hz, quasi-static ones of a low-pass of 20 Hz.
+
+    Parameters
+    ----------
+    accelerations : Recording
+        `time`, `distance`, `acceleration_y` and `acceleration_z` [m/s2], as from `floor_accelerations`.
+    sections : sequence of (float, float), optional
+        As in `en14363`.
+
+    Returns
+    -------
+    Recording
+        A row for each section: `section`, `begin`, `end`, and for the directions y and z [m/s2]
+        `acceleration_y_extreme`, the percentile of 0.15 or 99.85 % that is larger in size, and `acceleration_y_rms`;
+        for y also `acceleration_y_quasi_static`, 50 %.
+
+    Raises
+    ------
+    KeyError
+        If a column is missing.
+    ValueError
+        As in `en14363`.
+    """
+    interval, distance = interval_of(accelerations), _growing(accelerations)
+    passed = {
+        axis: Filtered(band_pass(finite(accelerations, f"acceleration_{axis}"), interval, RIDE), distance)
+        for axis in ("y", "z")
+    }
+    slow = Filtered(low_pass(accelerations["acceleration_y"], interval, CUT_OFF), distance)
+    names = [f"acceleration_{axis}_{kind}" for axis in passed for kind in ("extreme", "rms")]
+    rows = []
+    for number_of, section in enumerate(_sections(sections, distance)):
+        inside = [column.rows_in(section) for column in passed.values()]
+        values = [value for one in inside for value in (_larger(one), float(np.sqrt(np.mean(one**2))))]
+        rows.append([number_of, *section, *values, _middle(slow, section)])
+    units = {"section": "1", "begin": "m", "end": "m"}
+    return Recording(units | dict.fromkeys([*names, "acceleration_y_quasi_static"], "m/s2"), rows)
+
+
+def _growing(recording: Recording) -> np.ndarray:
+    """Return the distance of the rows [m]. Raises ValueError if it does not grow."""
+    distance = finite(recording, "distance")
+    if not np.all(np.diff(distance) > 0.0):
+        row = int(np.flatnonzero(np.diff(distance) <= 0.0)[0])
+        raise ValueError(
+            f"distance must grow from row to row; got {distance[row + 1]:g} m after {distance[row]:g} m. "
+            "Leave out rows in which the vehicle stands or rolls back."
+        )
+    return distance
 
 
 def _sections(sections: Sequence[tuple[float, float]] | None, distance: np.ndarray) -> list[tuple[float, float]]:

@@ -56,6 +56,17 @@ def low_pass(values: np.ndarray, interval: float, cut_off: float) -> np.ndarray:
     return np.asarray(sosfilt(sections, values, zi=sosfilt_zi(sections) * values[0])[0])
 
 
+def band_pass(values: np.ndarray, interval: float, band: tuple[float, float]) -> np.ndarray:
+    """Return values after a Butterworth band-pass of 24 dB an octave that was at rest at the first value.
+
+    Takes values (rows,), interval [s], band [Hz].
+    """
+    from scipy.signal import butter, sosfilt  # heavy
+
+    sections = butter(ORDER, band, "bandpass", fs=1 / interval, output="sos")
+    return np.asarray(sosfilt(sections, values - values[0]))
+
+
 def sliding_mean(values: np.ndarray, distance: np.ndarray, window: float, places: np.ndarray) -> np.ndarray:
     """Return the mean of values over a window around places; between rows they are linear.
 

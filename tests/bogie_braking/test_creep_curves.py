@@ -9,8 +9,8 @@ import pytest
 
 import bogie_braking as bb
 
-#: A wheel and a rail of equal radii touch in a circle: Johnson (1985), section 4.2, with the coefficients of Kalker (1990),
-#: table E.3, for a = b and a Poisson's ratio of 0.25.
+#: A wheel and a rail of equal radii touch in a circle: Johnson (1985), section 4.2. Coefficients: Kalker (1990), table
+#: E.3, for a = b and a Poisson's ratio of 0.25.
 RADIUS, LOAD, MODULUS, FRICTION = 0.4, 60e3, 82e9, 0.3
 CIRCLE = (3 * LOAD * RADIUS * (1 - 0.25) / (4 * MODULUS)) ** (1 / 3)
 C11, C22, C23 = 4.12, 3.67, 1.47

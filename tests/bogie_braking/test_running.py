@@ -65,6 +65,22 @@ def test_quasi_static_and_extreme_values_are_percentiles_of_each_section() -> No
         assert table["wheel_load_1_left_largest"][row] == pytest.approx(upper, abs=1.0)
 
 
+@pytest.mark.parametrize("frequency", [0.3, 2.3, 12.0])
+def test_a_sine_of_the_floor_passes_the_band_of_the_ride(frequency: float) -> None:
+    """Butterworth's band-pass of order four by the bilinear transform."""
+    size, middle = 0.8, 0.25
+    ride = recording(
+        100.0, acceleration_y=lambda t: middle + size * np.sin(2 * np.pi * frequency * t), acceleration_z=0.0
+    )
+    table = bb.running.ride_accelerations(ride, [(600.0, 2000.0)])
+    low, high, own = np.tan(np.pi * STEP * np.array([0.4, 10.0, frequency]))
+    passed = size / np.sqrt(1 + ((own**2 - low * high) / (own * (high - low))) ** 8)
+    assert table["acceleration_y_rms"][0] == pytest.approx(passed / np.sqrt(2), abs=PERCENTILE_BAND)
+    assert abs(table["acceleration_y_extreme"][0]) == pytest.approx(passed, abs=PERCENTILE_BAND)
+    assert table["acceleration_y_quasi_static"][0] == pytest.approx(middle, abs=2 * PERCENTILE_BAND)
+    assert table["acceleration_z_rms"][0] == 0.0
+
+
 def test_the_verdict_names_the_value_that_is_nearest_to_its_limit() -> None:
     table = bb.running.en14363(on_rails(5.0, guiding_force_1=-55e3, derailment_quotient_1_right=0.6))
     assert table.messages[0] == (
