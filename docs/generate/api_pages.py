@@ -31,21 +31,22 @@ def api_page(names: list[str], what: str) -> str:
 
 
 def places_of(name: str) -> Iterator[str]:
-    """Yield the dotted names of a public name, or of a module's classes, and of our class that a function returns."""
+    """Yield the dotted names of a public name, or of a module's contents, and of our class that a function returns."""
     found, place = getattr(bb, name), f"{bb.__name__}.{name}"
     if isinstance(found, ModuleType):
-        yield from (f"{place}.{inner}" for inner in classes_in(found))
+        yield from (f"{place}.{inner}" for inner in members_of(found))
         return
     yield place
     given = class_given_by(found)
-    public = [getattr(bb, other) for other in bb.__all__] + list(classes_in(bb.parts).values())
+    public = [getattr(bb, other) for other in bb.__all__] + list(members_of(bb.parts).values())
     if given and given not in public:
         yield f"{given.__module__}.{given.__name__}"
 
 
-def classes_in(module: ModuleType) -> dict[str, type]:
-    """Return the classes in a module by name."""
-    return {name: found for name, found in vars(module).items() if inspect.isclass(found)}
+def members_of(module: ModuleType) -> dict[str, Any]:
+    """Return the classes and functions in a module by name."""
+    kinds = inspect.isclass, inspect.isfunction
+    return {name: found for name, found in vars(module).items() if any(is_kind(found) for is_kind in kinds)}
 
 
 def class_given_by(found: Any) -> type | None:
