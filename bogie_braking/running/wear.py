@@ -48,7 +48,7 @@ def wear_map(recording: Recording, width: float, line: Line | None = None) -> Re
     distance, own, size = finite(recording, "distance"), line_or_none(line), number(width)
     if not 0.0 < size < np.inf:
         raise ValueError(f"width must be a number above 0; got {shown(width)}.")
-    travelled = np.diff(distance)
+    travelled = np.abs(np.diff(distance))  # also of a vehicle that rolls back
     middle = (distance[1:] + distance[:-1]) / 2
     axis, unit = ("distance", "m") if own is None else ("curvature", "1/m")
     values = middle if own is None else own.value("curvature", middle)
