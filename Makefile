@@ -52,11 +52,11 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
-	$(PIP) -e ".[pages$(COMPILER)]"
+	$(PIP) -e ".[scenarios$(COMPILER)]"
 	touch $@
 
 $(VENV)/compiler-installed: pyproject.toml | $(VENV)/bin/python
-	$(PIP) -e ".[compiler,pages]"
+	$(PIP) -e ".[scenarios,compiler]"
 	touch $@ $(VENV)/demo-installed
 
 $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
@@ -72,7 +72,7 @@ charts: $(VENV)/charts-installed
 	$(RUN) -m evidence.measuring.slide_bound --measure
 
 $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
-	$(PIP) -e ".[charts,pages$(COMPILER)]"
+	$(PIP) -e ".[charts,scenarios$(COMPILER)]"
 	touch $@ $(VENV)/demo-installed
 
 # The screenshots of the documentation, by the tests of the pages in a browser.
@@ -95,7 +95,7 @@ docs: $(VENV)/docs-installed
 	NO_MKDOCS_2_WARNING=1 $(RUN) -m mkdocs build --strict
 
 $(VENV)/docs-installed: pyproject.toml | $(VENV)/bin/python
-	$(PIP) -e ".[docs,compiler,pages]"
+	$(PIP) -e ".[docs,scenarios,compiler]"
 	touch $@ $(VENV)/demo-installed
 
 clean:

@@ -37,6 +37,7 @@ from products.train.layout import BRAKE_MODELS
 from products.train.numbers import SETTING_LIMITS
 from rbd_model.train.coupler import COUPLERS
 from readers.command_line import CommandLine, check_folder, quantity, whole
+from readers.extras import need
 from readers.text import BadInputError
 
 #: Name of this program.
@@ -73,6 +74,7 @@ def run(chosen: argparse.Namespace) -> int:
         return listed(chosen, unset())
     chosen.model = chosen.model or "all"
     kinds = kinds_of(chosen)
+    check_extras(chosen, kinds)
     try:
         if not chosen.describe:
             check_folder(chosen.out)
@@ -148,6 +150,19 @@ def kinds_of(chosen: argparse.Namespace) -> list[str]:
     return able if chosen.kind == "all" else [chosen.kind]
 
 
+def names_of(chosen: argparse.Namespace) -> list[str]:
+    """Return the names of the FMUs to build."""
+    return {"all": [*FMUS, *IN_C], "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
+
+
+def check_extras(chosen: argparse.Namespace, kinds: Sequence[str]) -> None:
+    """Refuse FMUs before any work if a package that they need is missing. Raises MissingExtraError."""
+    in_python = ":" in chosen.controller if chosen.controller else "python" in kinds
+    from_equations = not chosen.controller and any(name in FMUS for name in names_of(chosen))
+    needed = {"fmpy": not chosen.describe, "pythonfmu": in_python and not chosen.describe, "casadi": from_equations}
+    need(*(package for package, is_needed in needed.items() if is_needed))
+
+
 def check_own_options(chosen: argparse.Namespace) -> None:
     """Refuse options of other FMUs. Raises BadInputError."""
     for option, default in OWN_OPTIONS.items():
@@ -188,7 +203,7 @@ def check_controller(chosen: argparse.Namespace) -> None:
 def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:
     """Build the chosen FMUs; return whether one is not valid. Raises ValueError, CompilerError, OSError."""
     every = chosen.platforms == "all"
-    names = {"all": [*FMUS, *IN_C], "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
+    names = names_of(chosen)
     if chosen.describe:
         print("\n".join(variable_table(model_of(name)) for name in names if name in FMUS), end="")
         return False

@@ -13,11 +13,12 @@ make equal files, byte for byte, on any day and in any folder.
 
 import argparse
 import hashlib
+import json
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from bogie_braking.live.page import write_page
@@ -27,16 +28,31 @@ from brake_controller.protection_fmu import BOGIE
 from fmu_src import __version__
 from fmu_src.archive import write_archive
 from fmu_src.arrays_fmu import binary_of_arrays
+from fmu_src.batch import lane_sources
 from fmu_src.codegen import generate
-from fmu_src.compile import CompilerError
-from fmu_src.native_fmu import PLATFORMS, binary_of, build_native_fmu
-from products.building import LINEAR, NATIVE, build_all, extras, license_text, linear_kernel_file, linear_model
+from fmu_src.compile import CompilerError, plain_library
+from fmu_src.native_fmu import PLATFORMS, binary_for, binary_of, build_native_fmu
+from products.building import (
+    LINEAR,
+    NATIVE,
+    build_all,
+    extras,
+    license_text,
+    linear_kernel_file,
+    linear_model,
+    variables_file,
+    variables_table,
+)
 from products.parameter_sets import write_sets
 from products.prebuilt import PAGE, write_contents
+from products.protection.compiled_machine import READY, machine_model
 from products.protection.rig_in_c import SHIPPED, binary_of_rig
-from products.registry import DIFFERENT, FMUS, IN_C, content_in_c, model_of
+from products.registry import ALIKE, DIFFERENT, FMUS, IN_C, content_in_c, model_of
 from products.sources import PREBUILT, ROOT
 from products.systems import build_systems
+from products.train.library import CELLS, cells
+from products.train.library import SHIPPED as TRAIN
+from products.train.library import sources as train_sources
 from readers.command_line import CommandLine, check_folder
 from readers.text import BadInputError
 
@@ -49,6 +65,8 @@ WHEELS = {
     "win_amd64": "win64",
     "macosx_11_0_universal2": "darwin64",
 }
+#: Widths of the lanes of processors that have one alone.
+LANES = {"aarch64-linux": (2,)}
 
 
 def copy_sources(folder: Path) -> None:
@@ -64,23 +82,42 @@ def fill(folder: Path, platform: str) -> None:
     place = WHEELS[platform]
     targets, suffix = PLATFORMS[place]
     for name in DIFFERENT:
+        build_native_fmu(model_of(name), folder / "native" / f"{name}.fmu", [place], extras(name, "native"))
+    (folder / "kernel").mkdir(exist_ok=True)
+    for name in (*DIFFERENT, *(own for own, like in ALIKE.items() if like in DIFFERENT)):
         model = model_of(name)
-        build_native_fmu(model, folder / "native" / f"{name}.fmu", [place], extras(name, "native"))
-        kernel = folder / "kernel" / f"{name}{suffix}"
-        kernel.parent.mkdir(exist_ok=True)
-        kernel.write_bytes(binary_of(generate(model), targets, fmu=False))
+        (folder / "kernel" / f"{name}{suffix}").write_bytes(binary_of(generate(model), targets, fmu=False))
+        (folder / variables_file(name)).write_text(json.dumps(variables_table(model)), encoding="utf-8")
+    fill_machines(folder, targets, suffix, LANES.get(place, (2, 4, 8)))
     for name in LINEAR:
         kernel = folder / linear_kernel_file(name, suffix)
         kernel.write_bytes(binary_of(generate(linear_model(name)), targets, fmu=False))
     (folder / "train").mkdir(exist_ok=True)
     for fmu in (*(content_in_c(name, {}) for name in IN_C), content_in_c("sensor", MORE_SENSORS)):
         (folder / "train" / f"{fmu.given.name}{suffix}").write_bytes(binary_of_arrays(fmu.given, targets))
+    (folder / CELLS).write_text(json.dumps(cells()), encoding="utf-8")
+    functions = binary_for(targets, lambda target: plain_library(train_sources(), target=target))
+    (folder / f"{TRAIN}{suffix}").write_bytes(functions)
     rig = folder / f"{SHIPPED}{suffix}"
     rig.parent.mkdir(exist_ok=True)
     rig.write_bytes(binary_of_rig(targets))
     write_page(folder / PAGE)
     write_train_page(folder / TRAIN_PAGE)
     write_contents(folder, platform, DIFFERENT)
+
+
+def fill_machines(folder: Path, targets: Sequence[str], suffix: str, widths: Sequence[int]) -> None:
+    """Write the ready machines of the test rig: tables of variables, kernels, and kernels in lanes of these widths."""
+    (folder / "machines").mkdir(exist_ok=True)
+    for name, machine in READY.items():
+        model = machine_model(machine)
+        [system] = model.systems
+        about = {"variables": variables_table(model), "states": list(system.states)}
+        (folder / f"{name}.json").write_text(json.dumps(about), encoding="utf-8")
+        (folder / f"{name}{suffix}").write_bytes(binary_of(generate(model), targets, fmu=False))
+        for lanes in widths:
+            binary = binary_of(lane_sources(model, system), targets, fmu=False, lanes=lanes)
+            (folder / f"{name}-{lanes}-lanes{suffix}").write_bytes(binary)
 
 
 def pack(kind: str, sources: Path, out: Path) -> None:

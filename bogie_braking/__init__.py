@@ -98,14 +98,15 @@ __all__ = ["__version__", *_HOME]
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name with its dependencies. Raises AttributeError."""
+    """Import a public name with its dependencies. Raises AttributeError, or MissingExtraError."""
     if name not in _HOME:
         there = import_module(f"{_BELOW}fmu_src.suggestion").suggestion(name, __all__, f"it has {', '.join(__all__)}.")
         raise AttributeError(f"bogie_braking has no public name {name}; {there}")
     home = _HOME[name]
     if home == __name__:
         return import_module(f"{home}.{name}")
-    return getattr(import_module(home if home.startswith(__name__) else _BELOW + home), name)
+    with import_module(f"{_BELOW}readers.extras").named_extras():
+        return getattr(import_module(home if home.startswith(__name__) else _BELOW + home), name)
 
 
 def __dir__() -> list[str]:

@@ -24,6 +24,7 @@ import traceback
 
 from bogie_braking.commands import COMMANDS, module_of, parser_of
 from bogie_braking.exit_status import BAD_INPUT, FAILED, NOBODY_READS
+from readers.extras import named_extras
 from readers.text import BadInputError
 
 #: Printed without arguments.
@@ -35,7 +36,8 @@ All commands: bogie-braking --help. What is installed, and what is missing: bogi
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status, as in the description."""
     try:
-        status = answer(sys.argv[1:] if arguments is None else arguments)
+        with named_extras():
+            status = answer(sys.argv[1:] if arguments is None else arguments)
         sys.stdout.flush()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left would be written at the exit

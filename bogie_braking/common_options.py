@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 from contextlib import AbstractContextManager, nullcontext
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from fmu_src.progress import without_bars
 from readers.command_line import quantity
-from readers.text import BadInputError
 
 #: Help of --quiet.
 QUIET = "no progress and no table, only the exit status"
@@ -55,9 +53,3 @@ def add_track(group: argparse._ActionsContainer) -> None:
 def bars(chosen: argparse.Namespace) -> AbstractContextManager[object]:
     """Return a context that hides progress bars with --quiet."""
     return without_bars() if chosen.quiet else nullcontext()
-
-
-def look_for_plotly() -> None:
-    """Raise BadInputError before a run if Plotly, an optional dependency, is not installed."""
-    if find_spec("plotly") is None:
-        raise BadInputError("A page of results needs Plotly: pip install 'bogie-braking[pages]'.")

@@ -6,8 +6,6 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from fmpy.validation import validate_fmu
-
 from bogie_braking.batches import file_of
 from bogie_braking.checks import known, line_or_none
 from bogie_braking.machines import LEVELS, model_from
@@ -16,13 +14,14 @@ from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.start_values import with_start_values
 from fmu_src.system import Model, System
-from products.building import up_to_date
+from products.building import up_to_date, validation
 from products.registry import FMUS, fmu_named
 from products.vehicle_file import DataSheet
 from rbd_model.levels.models import places_of
 from rbd_model.track.line import Line
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import Vehicle
+from readers.extras import need
 from readers.storage import write_whole
 from readers.text import text_of
 
@@ -94,6 +93,8 @@ def write_fmu(
         If no FMU can be made of `what`.
     CompilerError
         If no C compiler works.
+    MissingExtraError
+        If FMPy is not installed, or pythonfmu for the kind python, or CasADi for equations that no wheel has compiled.
     OSError
         If the path cannot be written.
     ValueError
@@ -101,6 +102,7 @@ def write_fmu(
         a line, or if fmpy finds faults in the FMU.
     """
     known(kind, BUILD, "kind of FMU")
+    need("fmpy", *(["pythonfmu"] if kind == "python" else []))
     path, line = Path(path), line_or_none(line)
     if level not in (None, *LEVELS):
         raise ValueError(f"level must be 1, 2 or 3, or left out for all of them; got {level!r}.")
@@ -120,7 +122,7 @@ def write_fmu(
         write_whole(path, with_start_values(made, values, data, sheet.name if sheet else ""))
     elif made != path:
         write_whole(path, made.read_bytes())
-    problems = validate_fmu(str(path))
+    problems = validation.validate_fmu(str(path))
     if problems:
         raise ValueError(f"{path} is not a valid FMU: {' '.join(map(str, problems))}")
     return path

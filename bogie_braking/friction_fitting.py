@@ -19,6 +19,7 @@ from products.registry import fmu_named
 from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
 from rbd_model.vehicle.description import Vehicle
+from readers.extras import named_extras, need
 from readers.log_columns import ColumnMap
 
 if TYPE_CHECKING:
@@ -78,7 +79,8 @@ class FrictionField:
 
     def plot(self) -> Figure:
         """Plot the field with its intervals, and lower limits where it is not determined."""
-        import matplotlib.pyplot as plt
+        with named_extras():
+            import matplotlib.pyplot as plt
 
         figure, chart = plt.subplots(figsize=(8, 4), layout="constrained")
         there = np.isfinite(self.values)
@@ -101,6 +103,7 @@ def fit_friction(
     values: Mapping[str, Any],
 ) -> FrictionField:
     """Fit a field of friction; arguments and errors are those of `calibration.fit`."""
+    need("casadi")
     vehicle, runs, per_pressure, own = _vehicle_of(what)
     rail, given = _rail_of(parameters, vehicle, own, values)
     if "full_torque" in given and per_pressure is not None:

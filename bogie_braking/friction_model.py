@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from bogie_braking.friction_logs import FrictionLog
 from bogie_braking.simulation import Simulation
+from fmu_src.symbols import ca
 from rbd_model.contact.friction import Surface
 from rbd_model.track.line import Line
 from rbd_model.vehicle.description import Vehicle, size_of

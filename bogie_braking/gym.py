@@ -12,15 +12,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-try:
-    import gymnasium
-except ModuleNotFoundError as missing:
-    raise ModuleNotFoundError('Environments need gymnasium: pip install "bogie-braking[gym]".') from missing
 import numpy as np
-from gymnasium.spaces import Box, MultiDiscrete
-from gymnasium.utils import seeding
-from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
 
 from bogie_braking.checks import MOST_INSTANCES, at_most, known
 from bogie_braking.protection import settings_from
@@ -31,6 +23,14 @@ from products.protection.environment import DrawsRun, Environment
 from products.protection.runs import Fault as Fault
 from products.protection.runs import Run as Run
 from products.protection.runs import Stop
+from readers.extras import named_extras
+
+with named_extras():
+    import gymnasium
+    from gymnasium.spaces import Box, MultiDiscrete
+    from gymnasium.utils import seeding
+    from gymnasium.vector import AutoresetMode, VectorEnv
+    from gymnasium.vector.utils import batch_space
 
 NAME = "bogie_braking/WheelSlide-v0"
 Numbers = np.ndarray

@@ -10,7 +10,7 @@ from functools import lru_cache, partial
 from typing import Any
 
 from bogie_braking.checks import known, shown
-from fmu_src.batch import BatchLibrary
+from fmu_src.batch import BatchLibrary, compiled_batch
 from fmu_src.chain import ONE_WRITES
 from fmu_src.chosen import alone
 from fmu_src.compile import build_library
@@ -199,7 +199,7 @@ def _batch_of_a_vehicle(key: Key, places: tuple[int, ...]) -> BatchLibrary:
 
 
 def _batch_of_a_model(model: Model) -> BatchLibrary:
-    return BatchLibrary(model, model.systems[0])
+    return compiled_batch(model, model.systems[0])
 
 
 def _places(what: Vehicle, values: Mapping[str, Any], on_line: bool) -> tuple[int, ...]:

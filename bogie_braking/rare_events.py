@@ -24,6 +24,7 @@ from fmu_src.cosimulation.recording import Recording
 from products.study.points import outcomes_from
 from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
+from readers.extras import named_extras
 from readers.renamed import FormerNames
 
 if TYPE_CHECKING:
@@ -91,7 +92,8 @@ class Rare(FormerNames):
 
     def plot(self) -> Figure:
         """Plot the probability of exceeding a limit over the limit, with its interval."""
-        from matplotlib.figure import Figure  # heavy
+        with named_extras():
+            from matplotlib.figure import Figure  # heavy
 
         output, *names = self.tail.names
         figure = Figure(figsize=(8.0, 4.5), layout="constrained")

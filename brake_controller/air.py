@@ -4,9 +4,11 @@ Isentropic flow to the narrowest section. It is choked if the pressure behind it
 pressure before it. A discharge coefficient covers contraction and friction (any text on gas dynamics, and ISO 6358-1).
 """
 
+from __future__ import annotations
+
 import math
 
-import casadi as ca
+from fmu_src.symbols import Term, ca
 
 #: Dry air: gas constant [J/(kg.K)] (ISO 2533) and ratio of the heat capacities (kappa).
 GAS_CONSTANT, HEAT_CAPACITY_RATIO = 287.05287, 1.4
@@ -30,7 +32,7 @@ _ELLIPSE = CHOKED_FLOW * math.sqrt(1 - _PLACE**2)
 _ELLIPSE_SLOPE = CHOKED_FLOW**2 * _PLACE / (1 - CRITICAL_RATIO) / _ELLIPSE
 
 
-def _isentropic(ratio: ca.SX | float) -> ca.SX:
+def _isentropic(ratio: Term) -> Term:
     """Return the flow function between the critical ratio and 1, without a limit on either side."""
     return ca.sqrt(2 * _K / (_K - 1) * (ratio ** (2 / _K) - ratio ** ((_K + 1) / _K)))
 
@@ -52,7 +54,7 @@ def _parabola() -> tuple[float, float]:
     return _joined(value, slope)
 
 
-def flow_function(ratio: ca.SX) -> ca.SX:
+def flow_function(ratio: Term) -> Term:
     """Return mass flow over C_d A p / sqrt(R T), by the ratio of pressure behind to pressure before [1] (ISO 6358-1).
 
     It is differentiable: the parabola near 1 and the choked flow join the isentropic law with its slope. There is no
@@ -67,7 +69,7 @@ def flow_function(ratio: ca.SX) -> ca.SX:
     return ca.if_else(difference > 0, forward, 0)
 
 
-def elliptic_flow_function(ratio: ca.SX) -> ca.SX:
+def elliptic_flow_function(ratio: Term) -> Term:
     """Return the same by the ellipse of ISO 6358-1, choked at the same ratio: a root, with an error of at most 0.31 %.
 
     It replaces powers, for the computation of hundreds of valves at once.
@@ -80,13 +82,13 @@ def elliptic_flow_function(ratio: ca.SX) -> ca.SX:
     return ca.if_else(difference > 0, forward, 0)
 
 
-def elliptic_flow(area: ca.SX, pressure: ca.SX, temperature: ca.SX, pressure_behind: ca.SX) -> ca.SX:
+def elliptic_flow(area: Term, pressure: Term, temperature: Term, pressure_behind: Term) -> Term:
     """Return the mass flow [kg/s] as `mass_flow`, by the ellipse of ISO 6358-1."""
     shape = elliptic_flow_function(pressure_behind / pressure)
     return area * pressure / ca.sqrt(GAS_CONSTANT * temperature) * shape
 
 
-def mass_flow(area: ca.SX, pressure: ca.SX, temperature: ca.SX, pressure_behind: ca.SX) -> ca.SX:
+def mass_flow(area: Term, pressure: Term, temperature: Term, pressure_behind: Term) -> Term:
     """Return the mass flow [kg/s] through a restriction of effective area C_d A [m2].
 
     The flow is isentropic up to the narrowest section, and choked there as in ISO 6358-1. It is 0 if the pressure
@@ -95,7 +97,7 @@ def mass_flow(area: ca.SX, pressure: ca.SX, temperature: ca.SX, pressure_behind:
     return area * pressure / ca.sqrt(GAS_CONSTANT * temperature) * flow_function(pressure_behind / pressure)
 
 
-def effective_area(diameter: ca.SX, discharge_coefficient: ca.SX) -> ca.SX:
+def effective_area(diameter: Term, discharge_coefficient: Term) -> Term:
     """Return C_d A of a round restriction [m2]: the area that isentropic flow would need; diameter in m."""
     return discharge_coefficient * math.pi / 4 * diameter**2
 

@@ -11,12 +11,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.point_table import PointTable
 from brake_controller.slab_surface import RATES, excesses
 from brake_controller.vehicle_brake import named
 from fmu_src.chain import function_of
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, choice, quantity
 
 #: Temperature of air, rails and brakes at the start [K].

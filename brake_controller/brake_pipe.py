@@ -14,10 +14,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY, HEAT_CAPACITY_RATIO, elliptic_flow, mass_flow
 from fmu_src.chain import function_of
+from fmu_src.symbols import ca
 from fmu_src.variables import Field
 
 _K = HEAT_CAPACITY_RATIO

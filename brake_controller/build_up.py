@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import casadi as ca
+from fmu_src.symbols import ca
 
 #: Least time [s] or speed [m/s] in a denominator.
 LEAST = 1e-9

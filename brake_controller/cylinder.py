@@ -1,9 +1,9 @@
 """BrakeCylinder: pressure demand in, torque capacity of one wheelset out; pressure by a timed law or by flow of air."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-
-import casadi as ca
 
 from brake_controller.air import GAS_CONSTANT
 from brake_controller.flow import (
@@ -23,6 +23,7 @@ from brake_controller.pneumatics import APPLY, VALVE, pressure_rate, regulated_p
 from brake_controller.ready_sets import qr30_experiment
 from brake_controller.rigging import shoe_force, torque_capacity
 from brake_controller.shoe_friction import EXAMPLE_TABLE, FrictionTable, shoe_friction, sliding_speed
+from fmu_src.symbols import ca
 from fmu_src.system import Model, System, Variable, choosing, model_of_choices
 
 #: Local error of 0.1 Pa per step at this tolerance.
@@ -48,7 +49,7 @@ class Brake:
 
 #: A brake in addition to the cylinder. It is a function of the system, the demand [Pa], the valve and the angular
 #: velocity [rad/s]. Results: the remaining demand for the cylinder [Pa] and its own torque capacity [N.m].
-Blending = Callable[[System, ca.SX, ca.SX, ca.SX], tuple[ca.SX, ca.SX]]
+Blending = Callable[[System, "ca.SX", "ca.SX", "ca.SX"], "tuple[ca.SX, ca.SX]"]
 
 
 def alone(_: System, demand: ca.SX, __: ca.SX, ___: ca.SX) -> tuple[ca.SX, ca.SX]:

@@ -11,10 +11,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.cylinder import Rubbing, treads
 from brake_controller.shoe_friction import sliding_speed
+from fmu_src.symbols import Term, ca
 from fmu_src.system import ParameterSet, System, Variable, quantity
 
 NOMINAL_TEMPERATURE = 10.0
@@ -63,7 +62,7 @@ def axle_discs() -> DiscParameters:
     )
 
 
-def pad_friction(p: Mapping[str, ca.SX], speed: ca.SX, temperature: ca.SX) -> ca.SX:
+def pad_friction(p: Mapping[str, Term], speed: Term, temperature: Term) -> Term:
     """Return mu - a v - b (T - T_0), the form of Sawczuk (2021), limited from below; speed in m/s, temperature in K."""
     warmer = temperature - p["surroundings_temperature"]
     fallen = p["pad_friction_over_speed"] * speed + p["pad_friction_over_temperature"] * warmer

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.point_table import PointTable, with_default
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet
 
 #: Largest number of points of a force over speed.

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.air import AMBIENT
 from brake_controller.drive import LEAST, NO_LIMIT, OverSpeed, driven_by, followed
 from brake_controller.vehicle_brake import VehicleBrake, brake_force, named
 from fmu_src.chain import function_of
+from fmu_src.symbols import ca
 from fmu_src.system import choice, quantity
 
 #: Speed below which an electric brake fades out, where none is given [m/s]: 8 km/h. Assumed, as train simulators do.

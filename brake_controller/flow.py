@@ -5,13 +5,14 @@ state of the air is its mass and its pressure. The piston is in balance of air a
 friction, with effects within milliseconds, are not modelled.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY, HEAT_CAPACITY_RATIO, effective_area, mass_flow
 from brake_controller.pneumatics import APPLY, VENT
+from fmu_src.symbols import Term, ca
 
 #: Travel over which the piston starts and the shoes come to bear [m]; the corners of the stroke are rounded by it.
 STROKE_BLEND = 2e-3
@@ -19,7 +20,7 @@ STROKE_BLEND = 2e-3
 REGULATING_BAND = 1e3
 
 #: Values of `FlowParameters` by name: numbers, or symbols of them.
-Values = Mapping[str, ca.SX]
+Values = Mapping[str, Term]
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Piston:
     volume: ca.SX
 
 
-def piston(pressure: ca.SX, flow: Values) -> Piston:
+def piston(pressure: Term, flow: Values) -> Piston:
     """Return the piston in balance with its return spring at a gauge pressure [Pa], from rest to contact of the shoes.
 
     The travel is (p A - preload) / stiffness, p A being the thrust (2.5), limited to 0 and to the slack by two
@@ -58,14 +59,14 @@ def air_temperature(pressure: ca.SX, mass: ca.SX, position: Piston, flow: Values
     return (pressure + flow["ambient_pressure"]) * position.volume / (mass * GAS_CONSTANT)
 
 
-def inflow(pressure: ca.SX, target: ca.SX, flow: Values) -> ca.SX:
+def inflow(pressure: Term, target: Term, flow: Values) -> Term:
     """Return the mass flow [kg/s] through the application restriction (section 6.3.9); gauge pressures [Pa]."""
     area = effective_area(flow["application_orifice"], flow["discharge_coefficient"])
     ambient = flow["ambient_pressure"]
     return mass_flow(area, target + ambient, flow["air_temperature"], pressure + ambient)
 
 
-def outflow(pressure: ca.SX, temperature: ca.SX, orifice: ca.SX, flow: Values) -> ca.SX:
+def outflow(pressure: Term, temperature: Term, orifice: Term, flow: Values) -> Term:
     """Return the mass flow [kg/s] to the surroundings through an opening [m], isentropic; gauge pressure [Pa]."""
     area = effective_area(orifice, flow["discharge_coefficient"])
     return mass_flow(area, pressure + flow["ambient_pressure"], temperature, flow["ambient_pressure"])
@@ -116,9 +117,7 @@ class AirRates:
     heat_loss: ca.SX
 
 
-def air_rates(
-    pressure: ca.SX, temperature: ca.SX, position: Piston, flows: tuple[ca.SX, ca.SX], flow: Values
-) -> AirRates:
+def air_rates(pressure: Term, temperature: Term, position: Piston, flows: tuple[Term, Term], flow: Values) -> AirRates:
     """Return the First law for the air in the cylinder, an open system: dU/dt = H_in - H_out - p dV/dt - Q.
 
     The heat Q to the walls is the share of the rest for which V dp/dt = n (R T_s m_in - R T m_out - p dV/dt), with the

@@ -4,12 +4,13 @@ One lets air in, the other lets it out. Each follows its command with a first-or
 without dead time, is assumed.
 """
 
-from dataclasses import dataclass
+from __future__ import annotations
 
-import casadi as ca
+from dataclasses import dataclass
 
 from brake_controller.flow import Openings, commanded
 from brake_controller.pneumatics import APPLY, TIME_CONSTANTS_TO_95_PERCENT
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, System, quantity
 
 

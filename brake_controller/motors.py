@@ -10,10 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.cylinder import Blending
 from brake_controller.pneumatics import APPLY, HOLD, TIME_CONSTANTS_TO_95_PERCENT, VENT
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, System, Variable, choosing, quantity
 
 NOMINAL_TORQUE = 1e3

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.build_up import ramped
 from brake_controller.vehicle_brake import named
 from fmu_src.chain import function_of
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, choice, quantity
 
 #: Time of the application of the whole force, and of the release [s]. Assumed: springs, whose cylinders are vented.

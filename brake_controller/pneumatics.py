@@ -1,8 +1,10 @@
 """Pressure in the brake cylinder: regulator, flow restriction and solenoid valve of section 6.3.9 (Fig. 6.25)."""
 
+from __future__ import annotations
+
 import math
 
-import casadi as ca
+from fmu_src.symbols import ca
 
 APPLY, HOLD, VENT = 0, 1, 2
 #: Descriptions of these values.

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
-import casadi as ca
+from fmu_src.symbols import ca
 
 #: Largest number of points, where a table has no other.
 MOST_POINTS = 6

@@ -1,11 +1,12 @@
 """The reservoir of brake cylinders: it supplies their air, and the main pipe feeds it."""
 
-from dataclasses import dataclass
+from __future__ import annotations
 
-import casadi as ca
+from dataclasses import dataclass
 
 from brake_controller.air import GAS_CONSTANT, effective_area, mass_flow
 from brake_controller.parameters import LEAST_SUPPLY
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, System, Variable, quantity
 
 NOMINAL_PRESSURE, NOMINAL_MASS = 1e5, 1e-1

@@ -1,8 +1,10 @@
 """Brake rigging: force of the shoes by cylinder pressure, eqs (2.4)-(2.6), and torque, eq. (2.7)."""
 
+from __future__ import annotations
+
 import math
 
-import casadi as ca
+from fmu_src.symbols import ca
 
 
 def force_per_pressure(piston_diameter: float, rigging_ratio: float) -> float:

@@ -1,12 +1,13 @@
 """Friction between shoe and wheel tread. A further law is one more number and one more line in `shoe_friction`."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.experiment import EXPERIMENT, FORCE_PER_PRESSURE, SHOES
 from fmu_src.piecewise import interpolation
+from fmu_src.symbols import ca
 from fmu_src.system import System
 
 #: Numbers of the laws, parameter `friction_law`.

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-import casadi as ca
+from fmu_src.symbols import ca
 
 #: Rates of the modes, in a / L^2. Fitted, except for the first.
 RATES = (math.pi**2, 46.7, 261.0, 2180.0)

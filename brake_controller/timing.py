@@ -5,12 +5,13 @@ are proportional to the area of their restriction. A time is thus inverse to the
 without a search.
 """
 
+from __future__ import annotations
+
 import itertools
 import math
 from collections.abc import Callable
 from dataclasses import replace
 
-import casadi as ca
 from scipy.integrate import quad
 
 from brake_controller.air import GAS_CONSTANT
@@ -20,16 +21,17 @@ from brake_controller.flow_parameters import FlowParameters
 #: Shares of the demanded pressure at which an application and a release are complete (section 2.4.2).
 APPLIED_SHARE, RELEASED_SHARE = 0.95, 0.05
 #: No flow; and the temperature of air that does not flow.
-NONE = ca.SX(0)
+NONE = 0.0
 
 
-def filling_time(flow: FlowParameters, target: float, pressure: float) -> float:
-    """Return the time from empty to a gauge pressure [s], the regulator (section 6.3.9) at `target` [Pa]."""
-    p = ca.SX.sym("pressure")
-    values = _symbols(flow)
-    flows = (inflow(p, ca.SX(target), values), NONE)
-    rate = air_rates(p, NONE, piston(p, values), flows, values).pressure
-    return _integral(1 / rate, p, 0.0, pressure, flow)
+def filling_time(flow: FlowParameters, target: float, pressure: float, start: float = 0.0) -> float:
+    """Return the time from a gauge pressure to a higher one [s], the regulator (section 6.3.9) at `target` [Pa]."""
+    values = flow.values()
+
+    def time_per_pressure(p: float) -> float:
+        return float(1 / air_rates(p, NONE, piston(p, values), (inflow(p, target, values), NONE), values).pressure)
+
+    return _integral(time_per_pressure, start, pressure, flow)
 
 
 def emptying_time(flow: FlowParameters, orifice: float, start: float, end: float) -> float:
@@ -39,24 +41,28 @@ def emptying_time(flow: FlowParameters, orifice: float, start: float, end: float
 
     Takes orifice [m], start, end [Pa].
     """
-    p = ca.SX.sym("pressure")
-    values, n = _symbols(flow), flow.polytropic_exponent
-    ratio = (p + flow.ambient_pressure) / (start + flow.ambient_pressure)
-    temperature = temperature_after_filling(flow, start) * ratio ** ((n - 1) / n)
-    out = outflow(p, temperature, ca.SX(orifice), values)
-    rate = air_rates(p, temperature, piston(p, values), (NONE, out), values).pressure
-    return _integral(1 / rate, p, start, end, flow)
+    values, n = flow.values(), flow.polytropic_exponent
+    hot = temperature_after_filling(flow, start)
+
+    def time_per_pressure(p: float) -> float:
+        ratio = (p + flow.ambient_pressure) / (start + flow.ambient_pressure)
+        temperature = hot * ratio ** ((n - 1) / n)
+        out = outflow(p, temperature, orifice, values)
+        return float(1 / air_rates(p, temperature, piston(p, values), (NONE, out), values).pressure)
+
+    return _integral(time_per_pressure, start, end, flow)
 
 
 def temperature_after_filling(flow: FlowParameters, pressure: float) -> float:
     """Return the temperature of the air, an ideal gas, after the cylinder was filled from empty to `pressure` [K]."""
-    p = ca.SX.sym("pressure")
-    values = _symbols(flow)
-    empty, full = (float(piston(ca.SX(x), values).volume) for x in (0.0, pressure))
+    values = flow.values()
+    empty, full = (float(piston(x, values).volume) for x in (0.0, pressure))
     specific = GAS_CONSTANT * flow.air_temperature
-    # Per kilogram that enters: the pressure it adds.
-    per_mass = air_rates(p, NONE, piston(p, values), (ca.SX(1), NONE), values).pressure
-    mass = flow.ambient_pressure * empty / specific + _integral(1 / per_mass, p, 0.0, pressure, flow)
+
+    def mass_per_pressure(p: float) -> float:
+        return float(1 / air_rates(p, NONE, piston(p, values), (1.0, NONE), values).pressure)
+
+    mass = flow.ambient_pressure * empty / specific + _integral(mass_per_pressure, 0.0, pressure, flow)
     return (pressure + flow.ambient_pressure) * full / (mass * GAS_CONSTANT)
 
 
@@ -100,10 +106,6 @@ def with_vent_time(flow: FlowParameters, pressure: float, time: float, end: floa
     return replace(flow, vent_orifice=_scaled(flow.vent_orifice, vent_time(flow, pressure, end), time))
 
 
-def _symbols(flow: FlowParameters) -> dict[str, ca.SX]:
-    return {name: ca.SX(value) for name, value in flow.values().items()}
-
-
 def _end(pressure: float, end: float | None) -> float:
     return RELEASED_SHARE * pressure if end is None else end
 
@@ -115,9 +117,8 @@ def _scaled(diameter: float, takes: float, wanted: float) -> float:
     return round(diameter * math.sqrt(takes / wanted), 7)
 
 
-def _integral(expression: ca.SX, p: ca.SX, start: float, end: float, flow: FlowParameters) -> float:
+def _integral(integrand: Callable[[float], float], start: float, end: float, flow: FlowParameters) -> float:
     """Return the integral over gauge pressure [Pa], split where the piston starts and where the shoes touch."""
-    integrand: Callable[[float], ca.DM] = ca.Function("integrand", [p], [expression])
     touch = flow.spring_preload + flow.spring_stiffness * flow.piston_slack
     corners = [force / flow.piston_area for force in (flow.spring_preload, touch)]
     low, high = sorted((start, end))

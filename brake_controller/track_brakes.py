@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.air import AMBIENT
 from brake_controller.build_up import LEAST, ramped
 from brake_controller.shoe_friction import KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import named
 from fmu_src.chain import function_of
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, quantity
 
 #: Friction of magnets on the rail at standstill and at high speed [1], and the speed at which half of the change is

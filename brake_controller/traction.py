@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.drive import LEAST, NO_LIMIT, OverSpeed, driven_by, followed
 from brake_controller.vehicle_brake import named
 from fmu_src.chain import function_of
+from fmu_src.symbols import ca
 from fmu_src.system import quantity
 
 #: Gauge pressure of the pipe below which the motors are off, where none is given [Pa]. Assumed: full service leaves 3.5

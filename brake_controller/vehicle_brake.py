@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, replace
 
-import casadi as ca
-
 from brake_controller.air import AMBIENT
 from brake_controller.point_table import PointTable, with_default
 from brake_controller.rigging import shoe_force
@@ -24,6 +22,7 @@ from brake_controller.shoe_friction import (
     composite,
 )
 from fmu_src.chain import function_of
+from fmu_src.symbols import Term, ca
 from fmu_src.system import ParameterSet, choice, quantity
 
 #: Friction as two fractions, of shoe force and of speed, with constants of the vehicle (`fractions`).
@@ -164,14 +163,15 @@ def named(parameters: type[ParameterSet]) -> list[str]:
     return list(parameters.__dataclass_fields__)
 
 
-def brake_force(cylinder: ca.SX, wheel: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
+def brake_force(cylinder: Term, wheel: Term, p: Mapping[str, Term]) -> Term:
     """Return the brake force at the rim [N], eqs (2.4), (2.6) and (2.7).
 
     Friction is by the laws of `shoe_friction`, or by `fractions`.
     """
     over = ca.fmax(cylinder - AMBIENT, 0)
     pressed = shoe_force(over, p["force_per_pressure"], p["counter_force"], p["efficiency"])
-    fast, one = ca.fabs(wheel), pressed / p["shoes"]
+    fast: Term = ca.fabs(wheel)
+    one = pressed / p["shoes"]
     friction = ca.if_else(p["friction_law"] == CAST_IRON_P6, cast_iron_p6(one, fast), p["constant_friction"])
     friction = ca.if_else(p["friction_law"] == COMPOSITE, composite(fast), friction)
     friction = ca.if_else(p["friction_law"] == FRACTIONS, fractions(p, one, fast), friction)

@@ -161,22 +161,10 @@ def batch_source(model: Model, system: System) -> dict[str, str]:
 
 
 class BatchLibrary(Library):
-    """One system of a compiled model in lanes; lanes: 2, 4 or 8, or 0 for the most that the processor has."""
+    """One system of a model in lanes, compiled; model: its table of variables, with or without equations."""
 
-    def __init__(self, model: Model, system: System, lanes: int = 0, kept: Kept = made_now) -> None:
-        # The most lanes of this processor, by any compiled kernel.
-        most = max(2, Kernel(Library(kept("kernel", lambda: build_library(model)))).use_lanes(8))
-        own = lanes or most
-        if own not in (2, 4, 8) or own > most:
-            raise ValueError(
-                f"lanes must be 2, 4 or 8, at most {most} on this processor, or 0 for the most; got {lanes}."
-            )
-        super().__init__(
-            kept(
-                f"{own} lanes of {system.name}",
-                lambda: library_of(generate(model) | batch_source(model, system), lanes=own),
-            )
-        )
+    def __init__(self, path: Path, model: Model) -> None:
+        super().__init__(path)
         for name, (result, arguments) in _SIGNATURES.items():
             function = getattr(self.functions, name)
             function.restype, function.argtypes = result, arguments
@@ -200,10 +188,30 @@ class BatchLibrary(Library):
         return (ctypes.c_int * len(names))(*(kernel.number_of(name) for name in names))
 
 
+def most_lanes(kernel: Path) -> int:
+    """Return the most lanes of this processor, 2, 4 or 8, by any compiled kernel."""
+    return max(2, Kernel(Library(kernel)).use_lanes(8))
+
+
+def compiled_batch(model: Model, system: System, lanes: int = 0, kept: Kept = made_now) -> BatchLibrary:
+    """Return the library of a system; lanes: 2, 4 or 8, or 0 for the most that the processor has."""
+    most = most_lanes(kept("kernel", lambda: build_library(model)))
+    own = lanes or most
+    if own not in (2, 4, 8) or own > most:
+        raise ValueError(f"lanes must be 2, 4 or 8, at most {most} on this processor, or 0 for the most; got {lanes}.")
+    words = f"{own} lanes of {system.name}"
+    return BatchLibrary(kept(words, lambda: library_of(lane_sources(model, system), lanes=own)), model)
+
+
+def lane_sources(model: Model, system: System) -> dict[str, str]:
+    """Return the C files of a model with one of its systems in lanes, by name."""
+    return generate(model) | batch_source(model, system)
+
+
 @lru_cache(maxsize=16)
 def library_of_batch(model: Model, system: str) -> BatchLibrary:
     """Return the library of the system of this name, loaded once."""
-    return BatchLibrary(model, next(one for one in model.systems if one.name == system))
+    return compiled_batch(model, next(one for one in model.systems if one.name == system))
 
 
 def _in_threads(library: BatchLibrary, count: int, runs: _Runs, queue: ctypes.c_longlong) -> None:

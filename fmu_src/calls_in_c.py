@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-import casadi as ca
-
 from fmu_src.chain import NOTHING, Call, Each, Part
 from fmu_src.equations import Generated, Slopes, part_name
+from fmu_src.symbols import ca
 from fmu_src.unique_names_in_c import PREFIX
 
 

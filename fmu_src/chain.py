@@ -14,7 +14,7 @@ from itertools import pairwise
 from threading import RLock
 from typing import Any, TypeVar
 
-import casadi as ca
+from fmu_src.symbols import ca
 
 #: CasADi counts the users of its expressions without a lock: two threads that write equations or C crash or hang.
 ONE_WRITES = RLock()
@@ -356,4 +356,9 @@ class Bundle:
     @classmethod
     def symbols(cls: type[AnyBundle], name: str) -> AnyBundle:
         """Return a bundle of new symbols."""
-        return cls.of(ca.SX.sym(name, sum(item.metadata["rows"] for item in fields(cls))))
+        return cls.of(ca.SX.sym(name, cls.length()))
+
+    @classmethod
+    def length(cls) -> int:
+        """Return the number of rows of all columns."""
+        return sum(item.metadata["rows"] for item in fields(cls))

@@ -18,7 +18,6 @@ from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 
-import fmpy
 import platformdirs
 
 from fmu_src.cached_files import keep, missing, own_folder, whole
@@ -32,8 +31,10 @@ from fmu_src.codegen import (
     STUDY_SOURCES,
     generate,
 )
+from fmu_src.objects import FACES
 from fmu_src.progress import counting
 from fmu_src.system import Model
+from readers.extras import EXTRAS, has, install, need
 from readers.storage import ANOTHER_TEMPORARY, StorageError, cannot_write, sentence, write_whole
 
 #: Folder of compiled kernels and FMUs, in the user's cache folder unless the environment names another. Files are named
@@ -66,11 +67,16 @@ STEPPING = (
 )
 #: Messages of compilers if a disk, a quota or a limit is full.
 FULL_DISK = ("No space left", "Disk quota exceeded", "File size limit", "File too large")
-FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 
 class CompilerError(RuntimeError):
     """The C compiler refused the sources; the message is its own."""
+
+
+def fmi_headers() -> Path:
+    """Return the folder of the headers of the standards, as FMPy brings them. Raises MissingExtraError."""
+    need("fmpy")
+    return Path(str(find_spec("fmpy").origin)).parent / "c-code"  # type: ignore[union-attr]
 
 
 def cache() -> Path:
@@ -89,7 +95,7 @@ def _told() -> Iterator[None]:
 
 
 #: Command that installs zig, the compiler from PyPI.
-INSTALL_ZIG = "pip install 'bogie-braking[compiler]'"
+INSTALL_ZIG = install(EXTRAS["ziglang"][0])
 
 
 def compiler(target: str | None = None) -> list[str]:
@@ -123,7 +129,7 @@ def run(command: Sequence[str], target: str | None, folder: Path) -> None:
         "ZIG_LOCAL_CACHE_DIR": str(folder / "zig"),
     }
     called = compiler(target)
-    if called[1:3] == ["-m", "ziglang"] and find_spec("ziglang") is None:
+    if called[1:3] == ["-m", "ziglang"] and not has("ziglang"):
         raise CompilerError(_zig_is_missing(target))
     try:
         done = subprocess.run([*called, *command], cwd=folder, env=environment, capture_output=True, text=True)
@@ -187,11 +193,12 @@ def headers_of(name: str, sources: Mapping[str, str]) -> dict[str, str]:
 
 def _object_of(name: str, files: Mapping[str, str], flags: Sequence[str], target: str | None) -> Path:
     """Return the object file of a C file; files: the file and the headers that it includes."""
+    headers = [f"-I{fmi_headers()}"] if name in FACES else []
 
     def compiled(folder: Path) -> Path:
         for file, text in files.items():
             (folder / file).write_text(text)
-        run([*flags, f"-I{RUNTIME}", f"-I{FMI_HEADERS}", "-c", "-o", "object", name], target, folder)
+        run([*flags, f"-I{RUNTIME}", *headers, "-c", "-o", "object", name], target, folder)
         return folder / "object"
 
     return in_cache(f"{_content([*compiler(target), *flags, name], files, RUNTIME_HEADERS)}.o", compiled)

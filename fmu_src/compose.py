@@ -10,9 +10,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import casadi as ca
-
 from fmu_src.chain import Call, Waist
+from fmu_src.symbols import ca
 from fmu_src.system import System, Variable
 from fmu_src.user_files import FileTable
 

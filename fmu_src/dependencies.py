@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 
-import casadi as ca
-
 from fmu_src.chain import symbols_in
 from fmu_src.model_exchange import derivative_name, exchanged_states, serves_exchange
+from fmu_src.symbols import ca
 from fmu_src.system import Model, System
 from fmu_src.variables import state_variable
 
 #: Symbols, each with its source: an expression, or the symbols in it as `symbols_in` returns them.
-Equations = Sequence[tuple[ca.SX, ca.SX | frozenset[int]]]
+Equations = Sequence["tuple[ca.SX, ca.SX | frozenset[int]]"]
 
 
 def direct_inputs(system: System) -> dict[str, set[str]]:

@@ -6,9 +6,8 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import casadi as ca
-
 from fmu_src.chain import Call, Chain, Part, digest_of, symbols_in
+from fmu_src.symbols import ca
 from fmu_src.system import System
 
 #: Numbers of the nonzero slopes of a part.

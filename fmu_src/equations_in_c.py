@@ -12,8 +12,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 
-import casadi as ca
-
 from fmu_src.calls_in_c import (
     ASKED,
     CallGroup,
@@ -28,6 +26,7 @@ from fmu_src.chain import Part
 from fmu_src.equations import Generated, Slopes, is_shared, part_function, part_name
 from fmu_src.paired_functions import paired
 from fmu_src.statements import Memory, Statement, statements_of
+from fmu_src.symbols import ca
 from fmu_src.unique_names_in_c import with_own_names
 
 #: A function with more statements than WHOLE is cut into pieces of LONGEST: the coach's FMU takes 25 s to compile, with

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-import casadi as ca
 import numpy as np
 
 from fmu_src.chain import symbols_in
+from fmu_src.symbols import ca
 from fmu_src.system import Model, System
 from fmu_src.variables import integration_variables
 

@@ -10,8 +10,6 @@ import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-import fmpy
-
 from fmu_src.archive import write_archive
 from fmu_src.codegen import FACE_SOURCES, KERNEL_SOURCES, RUNTIME, RUNTIME_HEADERS, generate, guid_of
 from fmu_src.compile import library_of, library_suffix
@@ -21,6 +19,9 @@ from fmu_src.pages import pages
 from fmu_src.record_file import OWN
 from fmu_src.standard_headers import standard_headers
 from fmu_src.system import Model
+from readers.extras import OptionalModule
+
+fmpy = OptionalModule("fmpy")
 
 #: Folder in binaries/ -> targets of zig, and suffix of the library. Two targets make one universal binary. The glibc is
 #: that of CentOS 7. The macOS is the first on ARM; zig by default would require one of four years later. FMI 2.0 has no
@@ -119,9 +120,9 @@ def one_unit(model: Model, names: Sequence[str], version: int) -> str:
     )
 
 
-def binary_of(sources: Mapping[str, str], targets: Sequence[str], fmu: bool) -> bytes:
+def binary_of(sources: Mapping[str, str], targets: Sequence[str], fmu: bool, lanes: int = 0) -> bytes:
     """Return a library for targets of zig, one file for two; none: for this machine, with its own compiler."""
-    return binary_for(targets, lambda target: library_of(sources, target=target, fmu=fmu))
+    return binary_for(targets, lambda target: library_of(sources, target=target, fmu=fmu, lanes=lanes))
 
 
 def binary_for(targets: Sequence[str], compiled: Callable[[str | None], Path]) -> bytes:

@@ -7,13 +7,13 @@ import math
 from collections.abc import Callable, Iterable
 from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fmu_src.c_literals import c_array, c_number
 from fmu_src.chain import Chain, Part
 from fmu_src.records import Pieces
+from fmu_src.symbols import ca
 
 #: Pieces are treated as equally wide if they differ by less than this share: exchanging neighbours then changes a value
 #: by round-off alone.

@@ -15,8 +15,6 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from pythonfmu.builder import FmuBuilder
-
 from fmu_src.archive import write_archive
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import library_of, library_suffix
@@ -26,6 +24,9 @@ from fmu_src.objects import PYTHON
 from fmu_src.pages import pages
 from fmu_src.step_model import StepInPython
 from fmu_src.system import Model
+from readers.extras import OptionalModule
+
+builder = OptionalModule("pythonfmu.builder")
 
 FUTURE = "from __future__ import annotations\n"
 HERE = Path(__file__).parent
@@ -62,7 +63,7 @@ def _packed(model: Model, guid: str, text: str, library: Path | None = None) -> 
         script.write_text(text, encoding="utf-8")
         files = [Path(shutil.copyfile(library, folder / f"kernel{library_suffix()}"))] if library else []
         try:
-            made = FmuBuilder.build_FMU(script, dest=folder / "out", project_files=files)
+            made = builder.FmuBuilder.build_FMU(script, dest=folder / "out", project_files=files)
         finally:
             sys.path[:] = [entry for entry in sys.path if entry != str(folder)]
             sys.modules.pop(script.stem, None)

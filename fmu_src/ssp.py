@@ -15,7 +15,6 @@ from pathlib import Path
 
 from fmu_src import parameter_file
 from fmu_src.archive import write_archive, xml_file
-from fmu_src.cosimulation.opening import description_of
 from fmu_src.parameter_file import add_parameter
 from fmu_src.start_values import with_start_values
 
@@ -130,7 +129,9 @@ def _component(elements: ET.Element, system: str, component: Component, connecti
 
 
 def _types(component: Component) -> dict[str, str]:
-    """Return the types of the variables of a component's FMU."""
+    """Return the types of the variables of a component's FMU. Raises MissingExtraError."""
+    from fmu_src.cosimulation.opening import description_of  # with FMPy, an optional dependency
+
     return {v.name: v.type for v in description_of(component.fmu).modelVariables}
 
 

@@ -5,43 +5,43 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 
-import casadi as ca
+from fmu_src.symbols import ca
 
 _CALLED = (
     *("exp", "log", "expm1", "log1p", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"),
     *("asinh", "acosh", "atanh", "floor", "ceil", "fabs", "erf"),
 )
 _CALLED_WITH_TWO = ("pow", "atan2", "fmod", "remainder", "copysign", "hypot")
-#: C of each operation. Minima and maxima return the second number if one is NaN.
-OPERATIONS: Mapping[int, str] = {
-    **{getattr(ca, f"OP_{name.upper()}"): f"real_{name}({{}})" for name in _CALLED},
-    **{getattr(ca, f"OP_{name.upper()}"): f"real_{name}({{}}, {{}})" for name in _CALLED_WITH_TWO},
-    ca.OP_CONSTPOW: "real_pow({}, {})",
-    ca.OP_ADD: "{} + {}",
-    ca.OP_SUB: "{} - {}",
-    ca.OP_MUL: "{} * {}",
-    ca.OP_DIV: "{} / {}",
-    ca.OP_NEG: "-{}",
-    ca.OP_SQ: "{0} * {0}",
-    ca.OP_TWICE: "{0} + {0}",
-    ca.OP_INV: "real_of(1.0) / {}",
-    ca.OP_LT: "{} < {}",
-    ca.OP_LE: "{} <= {}",
-    ca.OP_EQ: "{} == {}",
-    ca.OP_NE: "{} != {}",
-    ca.OP_NOT: "real_not({})",
-    ca.OP_AND: "{} & {}",
-    ca.OP_OR: "{} | {}",
-    ca.OP_FMIN: "real_select({0} < {1}, {0}, {1})",
-    ca.OP_FMAX: "real_select({0} > {1}, {0}, {1})",
-    ca.OP_SIGN: "real_select({0} < 0.0, real_of(-1.0), real_select({0} > 0.0, real_of(1.0), {0}))",
-    ca.OP_IF_ELSE_ZERO: "real_where({}, {})",
+#: C of each operation, by CasADi's name without OP_. Minima and maxima return the second number if one is NaN.
+OPERATIONS: Mapping[str, str] = {
+    **{name.upper(): f"real_{name}({{}})" for name in _CALLED},
+    **{name.upper(): f"real_{name}({{}}, {{}})" for name in _CALLED_WITH_TWO},
+    "CONSTPOW": "real_pow({}, {})",
+    "ADD": "{} + {}",
+    "SUB": "{} - {}",
+    "MUL": "{} * {}",
+    "DIV": "{} / {}",
+    "NEG": "-{}",
+    "SQ": "{0} * {0}",
+    "TWICE": "{0} + {0}",
+    "INV": "real_of(1.0) / {}",
+    "LT": "{} < {}",
+    "LE": "{} <= {}",
+    "EQ": "{} == {}",
+    "NE": "{} != {}",
+    "NOT": "real_not({})",
+    "AND": "{} & {}",
+    "OR": "{} | {}",
+    "FMIN": "real_select({0} < {1}, {0}, {1})",
+    "FMAX": "real_select({0} > {1}, {0}, {1})",
+    "SIGN": "real_select({0} < 0.0, real_of(-1.0), real_select({0} > 0.0, real_of(1.0), {0}))",
+    "IF_ELSE_ZERO": "real_where({}, {})",
 }
 #: Operations whose result is a mask, and those that take one, with how many.
-_MASKS = {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_NOT, ca.OP_AND, ca.OP_OR}
-_TAKES_MASKS = {ca.OP_NOT: 1, ca.OP_AND: 2, ca.OP_OR: 2, ca.OP_IF_ELSE_ZERO: 1}
+_MASKS = {"LT", "LE", "EQ", "NE", "NOT", "AND", "OR"}
+_TAKES_MASKS = {"NOT": 1, "AND": 2, "OR": 2, "IF_ELSE_ZERO": 1}
 #: Powers that are made of a third root, and how.
 _THIRD = "real_of(0.3333333333333333)"
 _OF_THIRD_ROOT = {
@@ -49,7 +49,12 @@ _OF_THIRD_ROOT = {
     "real_of(0.6666666666666666)": "{0} * {0}",
     "real_of(-0.6666666666666667)": "real_of(1.0) / ({0} * {0})",
 }
-_UNCHANGED = (ca.OP_ASSIGN, ca.OP_LIFT)
+
+
+@cache
+def _names() -> Mapping[int, str]:
+    """Return the names of the operations that are written in C, by CasADi's numbers."""
+    return {getattr(ca, f"OP_{name}"): name for name in OPERATIONS}
 
 
 @dataclass(frozen=True)
@@ -140,7 +145,7 @@ def statements_of(
                 values.made += behind(result)
         elif operation == ca.OP_CONST:
             in_place[target[0]] = constant(function.instruction_constant(number))
-        elif operation in _UNCHANGED:
+        elif operation in (ca.OP_ASSIGN, ca.OP_LIFT):
             in_place[target[0]] = in_place[source[0]]
         elif operation == ca.OP_INPUT:
             in_place[target[0]] = values.of(memory.read(*source[:2]))
@@ -180,20 +185,21 @@ def _with_sines_beside_cosines(statements: Sequence[Statement]) -> list[Statemen
 def _computed(
     function: ca.Function, operation: int, operands: Sequence[int | str], values: Values, shared: bool
 ) -> int:
-    if operation not in OPERATIONS:
+    name = _names().get(operation, "")
+    if not name:
         raise ValueError(
             f"{function.name()} has the operation {operation} of CasADi, which is none of those that are written in C "
             "(OPERATIONS in fmu_src/statements.py); write the equation with these."
         )
-    masks = _TAKES_MASKS.get(operation, 0)
+    masks = _TAKES_MASKS.get(name, 0)
     taken = [values.as_mask(operand) if n < masks else values.as_number(operand) for n, operand in enumerate(operands)]
-    if operation == ca.OP_CONSTPOW and operands[1] in _OF_THIRD_ROOT:
+    if name == "CONSTPOW" and operands[1] in _OF_THIRD_ROOT:
         root = values.of("real_cbrt({})", taken[:1])
         return root if operands[1] == _THIRD else values.of(_OF_THIRD_ROOT[operands[1]], (root,))
-    if operation == ca.OP_DIV and shared:
-        inverse = values.of(OPERATIONS[ca.OP_INV], taken[1:])
-        return values.of(OPERATIONS[ca.OP_MUL], [taken[0], inverse])
-    return values.of(OPERATIONS[operation], taken, operation in _MASKS)
+    if name == "DIV" and shared:
+        inverse = values.of(OPERATIONS["INV"], taken[1:])
+        return values.of(OPERATIONS["MUL"], [taken[0], inverse])
+    return values.of(OPERATIONS[name], taken, name in _MASKS)
 
 
 def _divisors(function: ca.Function) -> set[int]:

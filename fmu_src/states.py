@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
-import casadi as ca
+from fmu_src.symbols import ca
 
 #: A start value, or a function that returns it.
-Start = ca.SX | float | Callable[[], ca.SX]
+Start: TypeAlias = "ca.SX | float | Callable[[], ca.SX]"
 
 
 @dataclass(frozen=True)

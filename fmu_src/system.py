@@ -12,13 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 
-import casadi as ca
 import numpy as np
 
 from fmu_src.chain import Chain
 from fmu_src.piecewise import look_up, polynomials
 from fmu_src.records import OwnRecord
 from fmu_src.states import Condition, Friction, Observable, Start, State, SteadyStart
+from fmu_src.symbols import ca
 from fmu_src.user_files import FileTable, OfRecord, RecordFile, TableFile
 from fmu_src.variables import ParameterSet as ParameterSet
 from fmu_src.variables import Variable as Variable

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
 from fmu_src.records import OwnRecord, RecordKind
+from fmu_src.symbols import ca
 from fmu_src.variables import Variable
 from readers.columns import Column
 

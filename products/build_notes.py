@@ -12,6 +12,7 @@ from products.module_files import digest_of
 from products.prebuilt import SOURCES, sources_here
 from products.registry import FMUS
 from products.sources import ROOT
+from readers.extras import has
 
 Makers = Sequence[Callable[..., object]]
 
@@ -35,7 +36,13 @@ def remembered(
 
 def noted(what: str, make: Callable[[], str], good: Callable[[str], bool] = bool, sources: str = "") -> str:
     """Return the same for any functions of this project; sources: a digest of their sources, by default of all."""
-    words = [sources or sources_here(), what, here(), *compiler(), *map(version, ("casadi", "fmpy"))]
+    words = [
+        sources or sources_here(),
+        what,
+        here(),
+        *compiler(),
+        *(version(name) for name in ("casadi", "fmpy") if has(name)),
+    ]
     return compiling.noted(f"{hashlib.sha256(repr(words).encode()).hexdigest()[:24]}.made", make, good)
 
 

@@ -5,14 +5,12 @@ import json
 import re
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any
-
-from fmpy.validation import validate_fmu
 
 from brake_controller.protection_fmu import wheel_slide_in_c, wheel_slide_in_python
 from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, binary_of_arrays, build_arrays_fmu
@@ -34,9 +32,11 @@ from products.registry import FMUS, IN_C, content_in_c, model_of
 from products.sources import ROOT
 from products.terminals import terminals_of
 from rbd_model.levels.models import model_of_levels, places_of
+from readers.extras import OptionalModule
 from readers.storage import write_whole, writing
 from readers.text import BadInputError
 
+validation = OptionalModule("fmpy.validation")
 #: Vehicles whose small motions are analysed with `linear_model`.
 LINEAR = ("bogie", "vehicle")
 #: Native for FMI 2.0 and for FMI 3.0; pythonfmu brings its own binaries.
@@ -181,11 +181,28 @@ def linear_kernel_of(name: str) -> Path:
 @lru_cache
 def variables_of(name: str) -> dict[str, Variable]:
     """Return the variables of an FMU by name, without writing its equations again."""
+    path = prebuilt_from_these(variables_file(name))
+    text = path.read_text(encoding="utf-8") if path else remembered(name, "variables", [Variable], partial(_text, name))
+    return variables_from(json.loads(text))
 
-    def written() -> str:
-        return json.dumps([asdict(variable) for variable in model_of(name).variables])
 
-    return {load["name"]: Variable(**load) for load in json.loads(remembered(name, "variables", [Variable], written))}
+def variables_file(name: str) -> str:
+    """Return the path of the table of variables of an FMU in a release."""
+    return f"kernel/{name}.json"
+
+
+def _text(name: str) -> str:
+    return json.dumps(variables_table(model_of(name)))
+
+
+def variables_table(model: Model) -> list[dict[str, Any]]:
+    """Return the variables of a model as JSON writes them."""
+    return [asdict(variable) for variable in model.variables]
+
+
+def variables_from(table: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
+    """Return the variables of a `variables_table` by name."""
+    return {load["name"]: Variable(**load) for load in table}
 
 
 def units_of(name: str) -> dict[str, str]:
@@ -195,7 +212,7 @@ def units_of(name: str) -> dict[str, str]:
 
 def announce(path: Path, seconds: float) -> list[str]:
     """Validate an FMU with fmpy, print its line and its problems, and return the problems."""
-    problems = validate_fmu(str(path))
+    problems = validation.validate_fmu(str(path))
     verdict = "valid" if not problems else f"{len(problems)} problems"
     print(f"{path}  {path.stat().st_size / 1000:.0f} kB  {seconds:.1f} s  {verdict}")
     for problem in problems:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -284,7 +285,8 @@ def filling_by_flow(full_pressure: float, application_time: float = APPLICATION_
     The supply of air is not limited.
     """
     air, shares = cylinder_air(full_pressure, application_time), np.linspace(0.0, 0.999, 200)
-    times = [filling_time(air, full_pressure, share * full_pressure) for share in shares.tolist()]
+    pressures = (full_pressure * shares).tolist()
+    times = np.cumsum([0.0, *(filling_time(air, full_pressure, end, start) for start, end in pairwise(pressures))])
     return lambda since: float(np.interp(since, times, shares))
 
 

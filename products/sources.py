@@ -4,10 +4,10 @@ import hashlib
 import platform
 from collections.abc import Collection
 from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
 
 from fmu_src import __version__
+from readers.extras import has
 
 ROOT = Path(__file__).resolve().parents[1]
 #: The public package, which in a wheel has all others inside.
@@ -51,9 +51,8 @@ def _name(path: Path) -> str:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions that determine a result; zig is an optional dependency."""
-    packages = ["casadi", "fmpy", "matplotlib", "numpy", "pythonfmu", "scipy"]
-    packages += [name for name in ["ziglang"] if find_spec(name)]
+    """Return the versions of the installed packages that determine a result."""
+    packages = ["casadi", "fmpy", "matplotlib", "numpy", "pythonfmu", "scipy", "ziglang"]
     return {"bogie-braking": __version__, "python": platform.python_version()} | {
-        name: version(name) for name in packages
+        name: version(name) for name in packages if has(name)
     }

@@ -6,6 +6,7 @@ from types import ModuleType
 
 from bogie_braking.reporting.scenario import BadInputError, Scenario
 from fmu_src.suggestion import suggestion
+from readers.extras import need
 
 #: Files of scenarios by folder, in the order in which they are listed.
 FILES = (
@@ -33,6 +34,7 @@ EVIDENCE = {
     **{"speed": "numerics", "stability-atlas": "numerics", "thesis-step": "numerics"},
     **{"speed-accuracy": "comparisons", "throughput": "comparisons", "train-methods": "comparisons"},
 }
+need("fmpy", "matplotlib")  # which most scenarios import
 MODULES: list[ModuleType] = [
     import_module(f"{__package__}.{folder}.{name}") for folder, names in FILES for name in names.split()
 ]

@@ -42,6 +42,12 @@ def imported(path: Path) -> set[str]:
     return names
 
 
+def test_casadi_has_one_home() -> None:
+    """Another module that imports it could not be imported where only ready machines run."""
+    files = [path for room in (*ROOMS, "bogie_braking") for path in (ROOT / room).rglob("*.py")]
+    assert [path.relative_to(ROOT).as_posix() for path in files if "casadi" in imported(path)] == ["fmu_src/symbols.py"]
+
+
 #: Subpackages of scenarios/ with one scenario in each file (`coupling` is one scenario in several files). The others
 #: are infrastructure.
 SUBJECTS = ("thesis", "brakes", "vehicles", "contact", "lines", "trains")

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
-
-from matplotlib import pyplot as plt
-from matplotlib.figure import Figure
 
 from bogie_braking.braking_curves.compute import CurveResults
 from bogie_braking.braking_curves.pictures import figure_of_causes, figure_of_supervision
-from bogie_braking.common_options import look_for_plotly
+from bogie_braking.reporting.plots import saved
 from products.etcs_files.osrd import osrd_document
 from products.etcs_files.train_file import write_train
 from readers.command_line import check_folder
 from readers.documents import document_text
+from readers.extras import need
 from readers.storage import write_whole, writing
 from readers.text import BadInputError
 
@@ -23,7 +22,7 @@ def check_files(chosen: argparse.Namespace) -> None:
     """Refuse files that cannot be written, before the work for them starts."""
     check_folder(chosen.out)
     if chosen.page is not None:
-        look_for_plotly()
+        need("plotly")
     for option, end in (("page", ".html"), ("osrd", ".json")):
         path: Path | None = getattr(chosen, option)
         if path is None:
@@ -46,12 +45,11 @@ def write(found: CurveResults) -> dict[str, Path]:
     name = f"{stem}-again" if stem.startswith("etcs-") else f"etcs-{stem}"
     ends = {"picture": ".png", "table": ".csv", "causes": "-causes.png", "train_data": ".json"}
     paths = {content: chosen.out / f"{name}{end}" for content, end in ends.items()}
-    _draw(figure_of_supervision(found), paths["picture"])
+    pictures = saved(partial(figure_of_supervision, found), paths["picture"], dpi=130)
     write_whole(paths["table"], _table(found).encode(), "name another folder with --out")
     if data.safety is not None:
-        _draw(figure_of_causes(data.safety), paths["causes"])
-    else:
-        del paths["causes"]
+        pictures += saved(partial(figure_of_causes, data.safety), paths["causes"], dpi=130)
+    paths = {content: path for content, path in paths.items() if path.suffix != ".png" or path in pictures}
     write_train(paths["train_data"], data.train, data.dry_by_level, chosen.file.name)
     if chosen.osrd is not None:
         write_whole(chosen.osrd, document_text(osrd_document(data.train)).encode())
@@ -62,12 +60,6 @@ def write(found: CurveResults) -> dict[str, Path]:
         write_page(found)
         paths["page"] = chosen.page
     return paths
-
-
-def _draw(figure: Figure, path: Path) -> None:
-    with writing(path.parent):
-        figure.savefig(path, dpi=130)
-    plt.close(figure)
 
 
 def _table(found: CurveResults) -> str:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.figure import Figure
 
 from bogie_braking.braking_curves.compute import CurveResults
 from bogie_braking.braking_curves.safety import Safety
 from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, plt, titled
 from products.supervision.tolerances import ENTRIES
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Limits in the order in which a train meets them: name, colour and width of its line.
 LIMITS = (

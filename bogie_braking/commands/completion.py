@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import shtab
 
 from bogie_braking.commands import COMMANDS, module_of, parser_of
 from bogie_braking.exit_status import HOLDS
+from readers.extras import MissingExtraError
 
 SHELLS = shtab.SUPPORTED_SHELLS
 #: Name of the entry point in pyproject.toml; shells cannot complete `python -m`.
@@ -23,9 +26,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> int:
     """Print the script."""
-    modules = {name: module_of(name) for name in COMMANDS}
+    modules: dict[str, Any] = {}
+    for name in COMMANDS:
+        with suppress(MissingExtraError):  # scenarios need packages that may be missing
+            modules[name] = module_of(name)
     names = {name: module.names() for name, module in modules.items() if hasattr(module, "names")}
-    parser = parser_of(COMMANDS)
+    parser = parser_of(modules)
     parser.prog = COMMAND
     complete(parser, names, "")
     print(shtab.complete(parser, chosen.shell))

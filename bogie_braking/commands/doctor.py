@@ -58,7 +58,8 @@ def findings() -> Iterator[PartFinding]:
     if all(one.verdict != MISSING for one in installed):
         shipped = prebuilt()
         compiles = compiler(shipped.verdict == OK)
-        yield from (installation(), shipped, compiles, cache(compiles.verdict == OK))
+        yield from (installation(), shipped, equations(shipped.verdict == OK))
+        yield from (compiles, cache(compiles.verdict == OK))
 
 
 def python() -> PartFinding:
@@ -79,7 +80,17 @@ def packages() -> Iterator[PartFinding]:
         return
     asked = [Requirement(text) for text in about.get_all("Requires-Dist") or []]
     for extra in ("", *(about.get_all("Provides-Extra") or [])):
-        yield group(extra, {one.name: one.specifier for one in asked if belongs(one.marker, extra)})
+        yield group(extra, {one.name: one.specifier for one in asked_by(extra, asked)})
+
+
+def asked_by(extra: str, asked: Sequence[Any]) -> Iterator[Any]:
+    """Yield the requirements of an extra, or (empty) of all, with those of the extras that it consists of."""
+    for one in asked:
+        if belongs(one.marker, extra) and one.name != PROJECT:
+            yield one
+        elif belongs(one.marker, extra):
+            for other in sorted(one.extras):
+                yield from asked_by(other, asked)
 
 
 def belongs(marker: Any, extra: str) -> bool:
@@ -158,6 +169,16 @@ def prebuilt() -> PartFinding:
         text += "; sources were changed since"
         return PartFinding(WITHOUT, text, "Nothing to do: what that touches is compiled when it is first needed.")
     return PartFinding(OK, text)
+
+
+def equations(spared: bool) -> PartFinding:
+    """Return whether equations can be written; `spared`: the scenarios' FMUs are prebuilt."""
+    from readers.extras import has, install
+
+    if has("casadi"):
+        return PartFinding(OK, "equations: CasADi")
+    advice = f"{install('build')}; until then ready machines alone run" if spared else install("build")
+    return PartFinding(WITHOUT if spared else MISSING, "equations: CasADi is missing", advice)
 
 
 def compiler(spared: bool) -> PartFinding:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from bogie_braking.exit_status import BAD_INPUT, FAILED, INTERRUPTED
 from fmu_src.compile import CompilerError
-from fmu_src.cosimulation.slave import CosimulationError
+from fmu_src.cosimulation import CosimulationError
 from fmu_src.kernel import SimulationError
 from products.study.points import SweepError
 from readers.storage import StorageError, cannot_write

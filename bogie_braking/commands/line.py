@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from bogie_braking.common_options import add_out, add_speech, describe
 from bogie_braking.exit_status import HOLDS
 from readers.command_line import check_folder, check_out, make_folder_of, quantity
-from readers.storage import write_whole, writing
+from readers.storage import write_whole
 from readers.text import BadInputError, FileError
 
 ABOUT = """Check a line and draw it, or make a line of points, surveys, maps, receivers or other programs' files.
@@ -96,28 +97,31 @@ def run(chosen: argparse.Namespace) -> int:
 
 def _check(chosen: argparse.Namespace, line: Any) -> int:
     place = chosen.out / f"{chosen.file.stem}.png"
-    check, place, account = _drawn(line, chosen.speed, place, chosen.friction)
+    check, pictures, account = _drawn(line, chosen.speed, place, chosen.friction)
     if chosen.json:
-        print(json.dumps(document_of(check, chosen.speed) | {"picture": str(place)}, indent=2))
+        found = {"picture": str(pictures[0]) if pictures else None}
+        print(json.dumps(document_of(check, chosen.speed) | found, indent=2))
     elif not chosen.quiet:
-        print("\n".join(filter(None, [str(account), text_of(check, chosen.speed), f"picture: {place}"])))
+        drawn = (f"picture: {picture}" for picture in pictures)
+        print("\n".join(filter(None, [str(account), text_of(check, chosen.speed), *drawn])))
     return HOLDS
 
 
 def _import(chosen: argparse.Namespace, line: Any) -> int:
     from bogie_braking.reporting.line_picture import figure_of_points
+    from bogie_braking.reporting.plots import saved
     from rbd_model.track.line import NAMES
     from rbd_model.track.line_points import LineFromPoints
 
     rows = line.lines_of([name for name in NAMES if name in line.rows])
     make_folder_of(chosen.out)
     write_whole(chosen.out, ("\n".join(rows) + "\n").encode(), "name another file with --out")
-    check, place, account = _drawn(line, SPEED, chosen.out.with_suffix(".png"))
-    pictures, limits = [place], {}
+    check, pictures, account = _drawn(line, SPEED, chosen.out.with_suffix(".png"))
+    limits = {}
     if isinstance(line, LineFromPoints):
         limits = {"speed_limits": line.speed_limits}
         place = chosen.out.with_name(f"{chosen.out.stem}-points.png")
-        pictures.append(_save(figure_of_points(line), place))
+        pictures += saved(partial(figure_of_points, line), place, dpi=130)
     if chosen.json:
         found = {"line": str(chosen.out), "pictures": [str(picture) for picture in pictures], **limits, **vars(account)}
         print(json.dumps(found | document_of(check, SPEED), indent=2))
@@ -127,27 +131,19 @@ def _import(chosen: argparse.Namespace, line: Any) -> int:
     return HOLDS
 
 
-def _drawn(line: Any, speed: float, place: Path, friction: float | None = None) -> tuple[Any, Path, Any]:
-    """Return the check of a line at a speed [m/s], the path of its figure, and the account of its import.
+def _drawn(line: Any, speed: float, place: Path, friction: float | None = None) -> tuple[Any, list[Path], Any]:
+    """Return the check of a line at a speed [m/s], the paths of its figures, and the account of its import.
 
     friction: that of the rail, which the line's factors multiply [1].
     """
     from bogie_braking.reporting.line_picture import figure_of_check
+    from bogie_braking.reporting.plots import saved
     from rbd_model.track.line_check import check_line
     from rbd_model.track.line_files import account_of
 
     check = check_line(line, speed, friction)
-    return check, _save(figure_of_check(line, check, speed, friction), place), account_of(line)
-
-
-def _save(figure: Any, place: Path) -> Path:
-    from matplotlib import pyplot as plt
-
-    with writing(place.parent):
-        place.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(place, dpi=130)
-    plt.close(figure)
-    return place
+    pictures = saved(partial(figure_of_check, line, check, speed, friction), place, dpi=130)
+    return check, pictures, account_of(line)
 
 
 def text_of(check: Any, speed: float) -> str:

@@ -28,21 +28,25 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from bogie_braking.common_options import add_speech, bars, describe
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
 from bogie_braking.reporting.progress import counting
-from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
+from fmu_src.cosimulation import CosimulationError
 from fmu_src.suggestion import suggestion
 from products.building import up_to_date
 from products.dry_stops import stop_of
 from products.kernel_runs import value_at
 from products.registry import ALIASES, FMUS, fmu_named
 from readers.command_line import quantity
+from readers.extras import need
 from readers.text import BadInputError, shown
+
+if TYPE_CHECKING:
+    from fmu_src.cosimulation.slave import FmuInstance
 
 LEVELS = {"point": 1, "planar": 2, "spatial": 3}
 #: Wheelsets of the FMUs that make a stop.
@@ -172,6 +176,8 @@ def values_of(texts: Sequence[str]) -> dict[str, float]:
 def paced(pace: Pace, drawn: Callable[[int], object]) -> Paced:
     """Make all steps, each at its time."""
     try:
+        from fmu_src.cosimulation.slave import FmuInstance  # with FMPy, an optional dependency
+
         slave = FmuInstance(pace.path)
     except OSError as error:
         raise CosimulationError(
@@ -228,6 +234,7 @@ def run(chosen: argparse.Namespace) -> int:
 
     Raises BadInputError, CompilerError, CosimulationError.
     """
+    need("fmpy")
     pace = pace_of(chosen)
     with bars(chosen), counting(text=f"pace of {pace.name}", total=pace.steps, unit="step") as bar:
         found = paced(pace, bar.update)

@@ -16,7 +16,7 @@ from bogie_braking.profiles.pair_picture import draw_pair
 from bogie_braking.profiles.pair_running import COMPARED, FILE_AMPLITUDES, FILE_SHIFTS, WORDS, Running, running_of
 from bogie_braking.profiles.profile_files import sides_from_files
 from bogie_braking.profiles.smoothing_picture import draw_smoothing
-from bogie_braking.reporting.plots import png_of
+from bogie_braking.reporting.plots import saved
 from bogie_braking.reporting.scenario import Options
 from rbd_model.contact.geometry import Side, Sides, contact_at
 from rbd_model.contact.measured_pair import fault_at, gauge_of
@@ -25,7 +25,6 @@ from rbd_model.contact.pair_table import LARGEST_SHIFT
 from rbd_model.contact.patches import patches_of, positions_of
 from rbd_model.contact.profiles import Profile
 from readers.command_line import check_folder, check_out, make_folder_of
-from readers.storage import write_whole
 from readers.text import BadInputError
 
 ABOUT = """Make a contact table from the profiles of a wheel and a rail: tables of y and z, SIMPACK (.prw, .prr),
@@ -65,15 +64,16 @@ def run(chosen: argparse.Namespace) -> int:
     picture = chosen.out.with_suffix(".png")
     smoothing = picture.with_stem(f"{picture.stem}-smoothing")
     make_folder_of(picture)
-    write_whole(picture, png_of(draw_pair(found, patches, message(found, patches))))
-    write_whole(smoothing, png_of(draw_smoothing(profiles_of(sides))))
+    pictures = saved(lambda: draw_pair(found, patches, message(found, patches)), picture, dpi=110)
+    pictures += saved(lambda: draw_smoothing(profiles_of(sides)), smoothing, dpi=110)
     about = findings(found, patches)
     if chosen.json:
-        files = {"picture": picture, "picture of smoothing": smoothing, "table": chosen.out}
-        print(json.dumps({**about, **{name: str(path) for name, path in files.items()}}, indent=2))
+        files = dict(zip(("picture", "picture of smoothing"), map(str, pictures), strict=False))
+        print(json.dumps({**about, **files, "table": str(chosen.out)}, indent=2))
     elif not chosen.quiet:
         show(about)
-        print(f"Pictures: {picture}, {smoothing}")
+        if pictures:
+            print(f"Pictures: {', '.join(map(str, pictures))}")
     write_table(sides, chosen.out)
     if not (chosen.json or chosen.quiet):
         print(f"Contact table: {chosen.out}")

@@ -24,6 +24,7 @@ from bogie_braking.common_options import describe
 from bogie_braking.exit_status import HOLDS
 from fmu_src.suggestion import suggestion
 from readers.command_line import check_folder, check_out, make_folder_of, whole
+from readers.extras import need
 from readers.quantity import Quantity
 from readers.storage import write_whole
 from readers.text import BadInputError, shown
@@ -67,6 +68,7 @@ def run(chosen: argparse.Namespace) -> int:
 def check(chosen: argparse.Namespace) -> None:
     """Print the numbers of a vehicle, and write its page and picture."""
     check_folder(chosen.out)
+    need(*([] if chosen.quick else ["casadi"]))  # its modes are equations of its own
     from bogie_braking.vehicle_files import check as checking
     from bogie_braking.vehicle_files.page import text_of, write_results
     from products.vehicle_file import read_vehicle

@@ -31,6 +31,7 @@ simulation failed; 130 interrupted with Ctrl-C.
 from __future__ import annotations
 
 import argparse
+from functools import partial
 
 from bogie_braking.controllers import verdict
 from bogie_braking.controllers.controller_loader import controllers_of
@@ -39,7 +40,7 @@ from bogie_braking.controllers.page import page
 from bogie_braking.controllers.picture import draw
 from bogie_braking.controllers.scoring import compare
 from bogie_braking.controllers.table import document, drawn, lines, show, write_document
-from bogie_braking.reporting.plots import plt
+from bogie_braking.reporting.plots import saved
 from products.machine import TRACTION
 from products.protection.rails import RAILS
 from products.protection.spread import Spread
@@ -77,12 +78,11 @@ def run(chosen: argparse.Namespace) -> bool:
     for name in ("compare.png", "compare.html"):  # of an earlier comparison
         (folder / name).unlink(missing_ok=True)
     text = write_document(folder / "compare.json", about)
-    figure = draw(scores)
-    figure.savefig(folder / "compare.png")
-    plt.close(figure)
+    pictures = saved(partial(draw, scores), folder / "compare.png")
     if chosen.html:
         write_whole(folder / "compare.html", page(machine.title, machine, settings, scores, draws).encode())
     table = [*verdict.lines(found), "", *lines(machine.title, settings, scores, draws)]
-    places = [f"Page: {folder / 'compare.html'}"] if chosen.html else []
-    show(chosen, text, [*table, "", f"Picture: {folder / 'compare.png'}", *places])
+    places = [f"Picture: {picture}" for picture in pictures]
+    places += [f"Page: {folder / 'compare.html'}"] if chosen.html else []
+    show(chosen, text, [*table, "", *places])
     return all(score.stop.distance is not None for score in scores)

@@ -10,20 +10,21 @@ import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bogie_braking.reporting.scenario import BadInputError
 from brake_controller.slide_protection import RIG
 from brake_controller.wheel_spin import SpinProtection
 from fmu_src.archive import ArchiveError
 from fmu_src.compile import CompilerError
-from fmu_src.cosimulation.opening import description_of
 from products.protection.controller_kinds import Arrays, Form, InC, compiled
-from products.protection.in_fmu import InFmu, Names
 from products.protection.own_process import Apart
 from products.protection.rig_in_c import slide_protection
 from readers.text import FileError
 from readers.toml_files import toml_of
+
+if TYPE_CHECKING:
+    from products.protection.in_fmu import Names
 
 #: Controllers of a comparison: in this process, or in a separate one.
 Given = Form | Apart
@@ -63,6 +64,8 @@ def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
     if not path.is_file():
         raise BadInputError(f"There is no file {path}; give the path of a controller.")
     if path.suffix == ".fmu":
+        from products.protection.in_fmu import InFmu  # with FMPy, an optional dependency
+
         return path.stem, Apart(partial(InFmu, path.resolve(), fmu_names(path, wheelsets)))
     try:
         library = compiled(path) if path.suffix == ".c" else InC(path.resolve())
@@ -73,6 +76,9 @@ def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
 
 def fmu_names(path: Path, wheelsets: int) -> Names:
     """Return the names in an FMU: those of the table next to it, NAME.toml, or those of the project's FMUs."""
+    from fmu_src.cosimulation.opening import description_of
+    from products.protection.in_fmu import Names
+
     table = path.with_suffix(".toml")
     try:
         about = [variable.name for variable in description_of(path).modelVariables]

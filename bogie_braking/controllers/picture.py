@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from copy import copy
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import NullLocator
+from typing import TYPE_CHECKING
 
 from bogie_braking.controllers.scoring import ScoredController, sliding_cases
 from bogie_braking.controllers.verdict import best_given, verdicts
 from bogie_braking.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, one_word, plt, titled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 #: Distance over the ideal up to which a stop is near it [1]: a choice of this figure.
 NEAR = 1.2
@@ -48,7 +48,7 @@ def draw(scores: Sequence[ScoredController]) -> Figure:
         own = {places[score.case] + aside: score for score in scores if score.controller == name}
         ratios = {place: ratio for place, one in own.items() if (ratio := one.over(one.ideal)) is not None}
         missed = [place for place, one in own.items() if one.stop.distance is None and one.stop.judged]
-        line = Line2D([], [], linestyle="none", markersize=5.5, clip_on=False, zorder=3, in_layout=False)
+        line = plt.Line2D([], [], linestyle="none", markersize=5.5, clip_on=False, zorder=3, in_layout=False)
         line.set(**dict(zip(("marker", "color"), NONE if name == "none" else MARKS[number % len(MARKS)], strict=True)))
         hollow = copy(line)
         # With a leading space, as the legend omits labels that begin with _.
@@ -88,7 +88,7 @@ def set_axis(axis: Axes, scores: Sequence[ScoredController], cases: Sequence[str
         ticks = [tick for tick in (1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0) if tick < largest]
         axis.set(xscale="log")
         axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-        axis.xaxis.set_minor_locator(NullLocator())
+        axis.xaxis.set_minor_locator(plt.NullLocator())
     low = min([1.0, *ratios])
     edge = largest * (largest / low) ** 0.08 if largest > WIDE else largest + 0.08 * (largest - low)
     axis.set(

@@ -23,13 +23,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from bogie_braking.controllers.controller_loader import Given, controller_of
 from bogie_braking.controllers.table import show, write_document
-from bogie_braking.reporting.plots import FOUR, one_word, plt, titled
+from bogie_braking.reporting.plots import FOUR, one_word, plt, saved, titled
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.scenario import BadInputError
 from bogie_braking.reporting.text_table import text_table
@@ -44,6 +44,9 @@ from readers.command_line import quantity
 from readers.log_columns import ColumnMap
 from readers.log_rows import after_events, filled
 from readers.text import FileError, quoted
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Fastest wheel of a log [m/s], twice the fastest of a case file.
 FASTEST_LOGGED = 200.0
@@ -138,10 +141,8 @@ def run(chosen: argparse.Namespace) -> bool:
         return False
     folder = chosen.out / "controllers"
     text = write_document(folder / "replay.json", document(found) | {"log": str(chosen.log), "period": period})
-    figure = draw(found)
-    figure.savefig(folder / "replay.png")
-    plt.close(figure)
-    show(chosen, text, [*lines(chosen.log, found, period), "", f"Picture: {folder / 'replay.png'}"])
+    pictures = [f"Picture: {picture}" for picture in saved(partial(draw, found), folder / "replay.png")]
+    show(chosen, text, [*lines(chosen.log, found, period), "", *pictures])
     return not found.message
 
 

@@ -20,7 +20,7 @@ from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.scenario import BadInputError
 from fmu_src.suggestion import suggestion
 from products.machine import Machine, filling_by_flow
-from products.protection.compiled_machine import machine_model
+from products.protection.compiled_machine import machine_table
 from products.protection.history import EVERY, StopHistory
 from products.protection.own_process import Apart, NoControllerError, Order, runs_apart
 from products.protection.peak_adhesion import PeakAdhesion
@@ -307,9 +307,8 @@ def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2, spread: flo
         raise BadInputError(str(error)) from None
     for case, run in zip(cases, runs, strict=True):
         equipped = replace(machine, by_flow=not run.driven, equipment=run.equipment)
-        known = {
-            variable.name: variable for variable in machine_model(equipped, level, case.line is not None).variables
-        }
+        table, _ = machine_table(equipped, level, case.line is not None)
+        known = {variable.name: variable for variable in table.variables}
         for name, value in run.values.items():
             if name not in known and name.startswith("sand"):
                 raise BadInputError(f"The case {case.name} sets {name}; give it equipment = ['sanders'] too.")

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from bogie_braking.profiles.pair_running import COMPARED, WORDS, Running
 from bogie_braking.reporting.plots import LEADING, THREE, TRAILING, mark, plt, titled, widen
 from rbd_model.contact.geometry import Side
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 #: Limits of a wheel's patches in its profile [m], by side.
 Patches = Mapping[str, Sequence[tuple[float, float]]]

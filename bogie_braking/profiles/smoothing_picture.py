@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from bogie_braking.reporting.plots import LEADING, TRAILING, plt, titled
 from rbd_model.contact.profiles import SMOOTHING, Profile, from_points
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Steepest slope that is drawn, 70 degrees: wheels bear on less. Largest curvature that is drawn [1/m], R 8 mm.
 STEEPEST, MOST_CURVED = float(np.tan(np.radians(70.0))), 125.0

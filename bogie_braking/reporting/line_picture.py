@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from bogie_braking.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, plt, titled, widen
 from rbd_model.track.line import FRICTIONS, Line
 from rbd_model.track.line_check import AdhesionCheck, LineCheck, deficiency_of
 from rbd_model.track.line_points import LineFromPoints
 from rbd_model.track.point_account import length_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 #: Colours in curves to the left, on straight track, in curves to the right. A curve is steeper than a third of the
 #: largest curvature.

@@ -1,19 +1,27 @@
 """One style for all figures; the title of each is its one message of a few words."""
 
+from __future__ import annotations
+
 import io
 import math
 import re
+import sys
 import textwrap
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
 
-matplotlib.use("Agg")
-from matplotlib import pyplot as plt
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from readers.extras import OptionalModule, has, missing
+from readers.storage import write_whole, writing
+
+if TYPE_CHECKING:
+    from matplotlib import pyplot as plt
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 #: Leading, trailing, bogie, thesis; distinguishable without colour vision.
 LEADING, TRAILING, BOGIE, THESIS = "#0072b2", "#d55e00", "#333333", "#009e73"
@@ -23,20 +31,28 @@ FOUR = ("#0072b2", "#56b4e9", "#e69f00", "#d55e00")
 #: Dashes of three or four lines in addition to their colours: the second and third of FOUR are alike in grey print.
 LINES = ("-", "--", "-.", ":")
 
-plt.rcParams.update(
-    {
-        "axes.grid": True,
-        "axes.spines.right": False,
-        "axes.spines.top": False,
-        "axes.titlelocation": "left",
-        "axes.titlesize": 11,
-        "figure.titlesize": 15,
-        "font.size": 11,
-        "grid.alpha": 0.3,
-        "legend.frameon": False,
-        "lines.linewidth": 1.8,
-    }
-)
+STYLE = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlelocation": "left",
+    "axes.titlesize": 11,
+    "figure.titlesize": 15,
+    "font.size": 11,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "lines.linewidth": 1.8,
+}
+
+
+def _begin(pyplot: ModuleType) -> None:
+    """Draw into files, in this style."""
+    pyplot.switch_backend("Agg")
+    pyplot.rcParams.update(STYLE)
+
+
+if not TYPE_CHECKING:
+    plt = OptionalModule("matplotlib.pyplot", _begin)
 
 #: Largest number of words of a message, and letters of a title in an inch of its line.
 MOST_WORDS, LETTERS = 12, 8.9
@@ -105,6 +121,24 @@ def png_of(figure: Figure, dpi: int = 110) -> bytes:
     figure.savefig(memory, format="png", dpi=dpi)
     plt.close(figure)
     return memory.getvalue()
+
+
+def saved(draw: Callable[[], Figure], path: Path, dpi: int = 100) -> list[Path]:
+    """Draw a figure into a PNG file; return its path in a list, empty without Matplotlib. Raises OSError."""
+    if not can_draw():
+        return []
+    with writing(path.parent):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, png_of(draw(), dpi))
+    return [path]
+
+
+@cache
+def can_draw() -> bool:
+    """Return whether Matplotlib is installed; if not, write its extra to standard error, once."""
+    if not has("matplotlib"):
+        print(f"No picture. {missing('matplotlib')}", file=sys.stderr)
+    return has("matplotlib")
 
 
 def widen(axis: Axes, least: float) -> None:

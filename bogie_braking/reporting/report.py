@@ -1,5 +1,7 @@
 """Results of a scenario: a table of thesis against simulation, time series, figures, one JSON file."""
 
+from __future__ import annotations
+
 import math
 import shutil
 import tempfile
@@ -7,9 +9,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Generic, SupportsFloat, TypeVar
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any, Generic, SupportsFloat, TypeVar
 
 from bogie_braking.reporting.motion import Motion
 from bogie_braking.reporting.plots import message_of, plt
@@ -18,6 +18,9 @@ from fmu_src.cosimulation.recording import Recording
 from products.sources import versions
 from readers.documents import document_text
 from readers.storage import cannot_write
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,17 @@
 """A scenario, its options, and its part in sweeps."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from bogie_braking.reporting.report import Report
-from fmu_src.cosimulation.master import Master
 from readers.text import BadInputError as BadInputError
+
+if TYPE_CHECKING:
+    from fmu_src.cosimulation.master import Master
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,8 @@ class Options:
         """Return a master with fixed macro steps and zero-order hold; with a tolerance, one with error control and
         extrapolation.
         """
+        from fmu_src.cosimulation.master import Master  # with FMPy, an optional dependency
+
         return Master(extrapolated=self.coupling_tolerance is not None, coupling_tolerance=self.coupling_tolerance)
 
 

@@ -7,10 +7,11 @@ import html
 import math
 import textwrap
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from bogie_braking.hunting import FASTEST, FRICTION, HIGHEST, LARGE, TOLERANCE, motion_of
-from bogie_braking.reporting.plots import png_of
+from bogie_braking.reporting.plots import saved
 from bogie_braking.reporting.text_table import text_table
 from bogie_braking.vehicle_files.check import (
     KILOMETRES_PER_HOUR,
@@ -138,16 +139,15 @@ def wrapped(text: str) -> str:
 def write_results(check: VehicleCheck, folder: Path) -> list[Path]:
     """Write the picture and the page of a check into a folder, and return their paths. Raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
-    image, page, png = folder / "vehicle.png", folder / "vehicle.html", png_of(picture(check), 100)
-    write_whole(image, png)
-    write_page(check, page, png)
-    return [image, page]
+    images, page = saved(partial(picture, check), folder / "vehicle.png"), folder / "vehicle.html"
+    write_page(check, page, [image.read_bytes() for image in images])
+    return [*images, page]
 
 
-def write_page(check: VehicleCheck, path: Path, png: bytes) -> None:
+def write_page(check: VehicleCheck, path: Path, images: Sequence[bytes]) -> None:
     """Write the page of a check with its picture, one file. Raises OSError."""
     body = [f"<p>{html.escape(lead_of(check))}</p>"]
-    body += [f'<img alt="the vehicle" src="data:image/png;base64,{base64.b64encode(png).decode()}">']
+    body += [f'<img alt="the vehicle" src="data:image/png;base64,{base64.b64encode(png).decode()}">' for png in images]
     for title, names, cells in tables_of(check):
         head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
         rows = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>\n" for row in cells)

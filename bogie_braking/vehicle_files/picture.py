@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Rectangle
+from typing import TYPE_CHECKING
 
 from bogie_braking.hunting import FASTEST
 from bogie_braking.reporting.plots import BOGIE, FOUR, LEADING, LINES, TRAILING, one_word, plt, titled
 from bogie_braking.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, VehicleCheck
 from rbd_model.vehicle.parameters import VehicleParameters
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 #: Height of the drawn body above its lower edge [m]; nothing in a file gives it.
 BODY = 2.6
@@ -56,10 +57,10 @@ def side_view(axis: Axes, check: VehicleCheck) -> None:
     length = p.coupler_distance if isinstance(p, VehicleParameters) else 1.4 * p.wheel_base
     length = max(length, 2 * max(places) + 2 * radius)
     floor = 2 * radius + 0.15
-    axis.add_patch(Rectangle((-length / 2, floor), length, BODY, facecolor="#e8eef4", edgecolor=BOGIE))
+    axis.add_patch(plt.Rectangle((-length / 2, floor), length, BODY, facecolor="#e8eef4", edgecolor=BOGIE))
     axis.axhline(0.0, color=BOGIE, linewidth=2.5)
     for place, load in zip(places, check.loads, strict=True):
-        axis.add_patch(Circle((place, radius), radius, facecolor="white", edgecolor=BOGIE, linewidth=2.0))
+        axis.add_patch(plt.Circle((place, radius), radius, facecolor="white", edgecolor=BOGIE, linewidth=2.0))
         axis.annotate(f"{load / 1e3:.0f} kN", (place, -0.25), ha="center", va="top")
     height = p.body_height if isinstance(p, VehicleParameters) else p.frame_height
     axis.plot(0.0, height + radius, marker="x", markersize=11, color=TRAILING, markeredgewidth=2.5)

@@ -23,6 +23,8 @@ DISTRIBUTORS: dict[str, Distributor] = {
     EP_DIRECT.name: EP_DIRECT,
     PIPED.name: PIPED,
 }
+#: Those whose C a release compiles.
+BUILT_IN = tuple(DISTRIBUTORS.values())
 #: Kinds of brakes in consists, with the name of a distributor; a pneumatic one has any other.
 BRAKES = {"pneumatic": "", "ep-direct": EP_DIRECT.name, "none": PIPED.name}
 

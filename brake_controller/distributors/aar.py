@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TypeVar
 
-import casadi as ca
 from scipy.integrate import quad
 
 from brake_controller.air import (
@@ -28,6 +27,7 @@ from brake_controller.air import (
 from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
 from brake_controller.distributors.uic import CHARGED, RELAY, accelerating, emptied, flow_of_a_metre
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
+from fmu_src.symbols import ca
 from fmu_src.system import quantity
 
 #: Rate at which the slide valve moves [1/s], and difference over which the emergency portion opens [Pa]. Assumed.

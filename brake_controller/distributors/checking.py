@@ -10,13 +10,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from brake_controller.air import AMBIENT, GAS_CONSTANT, HEAT_CAPACITY, HEAT_CAPACITY_RATIO
 from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLINDER, Distributor, DistributorParameters
 from brake_controller.distributors.registered import POSITIONS, check_kind
+from fmu_src.symbols import ca
 
 Array = NDArray[np.float64]
 

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
-import casadi as ca
-
 from brake_controller.brake_pipe import Air, air_of
 from fmu_src.chain import function_of
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, quantity
 
 #: Commands of wheel-slide protection, as shares: no air into or out of the cylinder; the cylinder open to the
@@ -216,7 +215,7 @@ class _AbsentError(ValueError):
     """The message of a name that does not exist."""
 
 
-class _Named(dict[str, ca.SX]):
+class _Named(dict[str, Any]):
     """Symbols by name; a name that does not exist is refused with the names that do."""
 
     def __init__(self, whose: str, what: str, names: Iterable[str], symbols: Iterable[ca.SX]) -> None:

@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-import casadi as ca
 from scipy.optimize import brentq
 
 from brake_controller.air import AMBIENT, GAS_CONSTANT, HEAT_CAPACITY, WALL, choke_flow, share_of
@@ -19,6 +18,7 @@ from brake_controller.distributors import aar
 from brake_controller.distributors.aar import OPENS, FreightCar, fastest_volume, freight_car
 from brake_controller.distributors.distributor import Answer, Distributor, Moment
 from brake_controller.distributors.uic import CHARGED, RELAY, flow_of_a_metre
+from fmu_src.symbols import ca
 from fmu_src.system import quantity
 
 #: Gauge pressure of the pipe below which the brake is fully applied [Pa]. Assumed.

@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.air import AMBIENT
 from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
+from fmu_src.symbols import ca
 from fmu_src.system import quantity
 
 #: Times of filling to 95 % and of release to 0.4 bar [s], of metros. Assumed.

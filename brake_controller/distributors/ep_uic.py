@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.air import AMBIENT, HEAT_CAPACITY, WALL, choke_flow, share_of
 from brake_controller.distributors import uic
 from brake_controller.distributors.distributor import Answer, Distributor, Moment
 from brake_controller.distributors.uic import UicDistributor, freight
+from fmu_src.symbols import ca
 from fmu_src.system import quantity
 
 #: Difference of the pipe to its demand at which a magnet valve begins to open, and beyond it to be open [Pa]. Assumed.

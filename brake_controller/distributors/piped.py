@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
+from fmu_src.symbols import ca
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
 from brake_controller.air import AMBIENT, GAS_CONSTANT, HEAT_CAPACITY, WALL, choke_flow
 from brake_controller.distributors import uic
 from brake_controller.distributors.distributor import Answer, Distributor, Moment
 from brake_controller.distributors.uic import CHARGED, UicDistributor, freight
+from fmu_src.symbols import ca
 from fmu_src.system import quantity
 
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
-import casadi as ca
 import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq
@@ -34,6 +33,7 @@ from brake_controller.air import (
 )
 from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
+from fmu_src.symbols import ca
 from fmu_src.system import quantity
 
 #: Pressure difference over which a relay opens [Pa]: the cylinder is controlled to a few kPa.
@@ -107,15 +107,7 @@ def freight(position: str = "P") -> UicDistributor:
 
 def flow_of_a_metre(pressure: float, behind: float) -> float:
     """Return the mass flow [kg/s] through a choke of 1 m, both pressures absolute (ISO 6358-1)."""
-    return float(_flow_function()(pressure, behind))
-
-
-@lru_cache
-def _flow_function() -> ca.Function:
-    """Return `flow_of_a_metre` as a function of both pressures."""
-    before, after = ca.SX.sym("before"), ca.SX.sym("after")
-    area = effective_area(ca.SX(1.0), ca.SX(DISCHARGE))
-    return ca.Function("flow", [before, after], [elliptic_flow(area, before, ca.SX(WALL), after)])
+    return float(elliptic_flow(effective_area(1.0, DISCHARGE), pressure, WALL, behind))
 
 
 def filling_choke(p: UicDistributor, time: float) -> float:
@@ -195,10 +187,10 @@ def filling_time(p: UicDistributor, pressure: float) -> float:
         over = (low + high) / 2 + (high - low) / 2 * nodes
         supply = CHARGED + AMBIENT - over * p.cylinder_volume / p.auxiliary_volume
         opens = np.clip((p.inshot - over) / RELAY, 0.0, 1.0)
-        flow = (p.filling_choke**2 + opens * p.inshot_choke**2) * np.asarray(
-            _flow_function()(supply[None, :], over[None, :] + AMBIENT)
+        of_a_metre = elliptic_flow(effective_area(1.0, DISCHARGE), supply, WALL, over + AMBIENT)
+        time += (
+            float(weights @ (1.0 / ((p.filling_choke**2 + opens * p.inshot_choke**2) * of_a_metre))) * (high - low) / 2
         )
-        time += float(weights @ (1.0 / np.ravel(flow))) * (high - low) / 2
     return p.cylinder_volume / (GAS_CONSTANT * WALL) * time
 
 

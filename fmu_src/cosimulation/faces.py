@@ -7,19 +7,22 @@ from ctypes import byref
 from pathlib import Path
 from typing import Any
 
-from fmpy import calloc, free
-from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import (
-    FMU2Slave,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-    fmi2CoSimulation,
-    fmi2Error,
-)
-from fmpy.fmi3 import FMU3Slave
-from fmpy.model_description import ModelDescription
+from readers.extras import named_extras
+
+with named_extras():
+    from fmpy import calloc, free
+    from fmpy.fmi1 import FMICallException
+    from fmpy.fmi2 import (
+        FMU2Slave,
+        fmi2CallbackAllocateMemoryTYPE,
+        fmi2CallbackFreeMemoryTYPE,
+        fmi2CallbackFunctions,
+        fmi2CallbackLoggerTYPE,
+        fmi2CoSimulation,
+        fmi2Error,
+    )
+    from fmpy.fmi3 import FMU3Slave
+    from fmpy.model_description import ModelDescription
 
 #: Receives a message of an FMU.
 Listener = Callable[[str], None]

@@ -8,13 +8,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from zipfile import ZipFile
 
-import fmpy
-from fmpy import read_model_description
-from fmpy.model_description import ModelDescription, ValidationError
-
 from fmu_src.archive import ArchiveError, files_in, opened, unpack
-from fmu_src.cosimulation.faces import FACES
+from fmu_src.cosimulation.faces import FACES, ModelDescription
 from fmu_src.shared_library import fault_of
+from readers.extras import named_extras
+
+with named_extras():
+    import fmpy
+    from fmpy.model_description import ValidationError, read_model_description
 
 DESCRIPTION, BUILD = "modelDescription.xml", "sources/buildDescription.xml"
 #: Largest description [bytes], and the most values of a variable that is an array.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fmu_src.suggestion import suggestion
+from readers.extras import named_extras
 from readers.renamed import FormerNames
 from readers.storage import whole_file
 
@@ -148,7 +149,8 @@ class Recording(FormerNames):
         KeyError
             If a column does not exist.
         """
-        from matplotlib.figure import Figure  # heavy
+        with named_extras():
+            from matplotlib.figure import Figure  # heavy
 
         first, *others = self.names
         shown = [self._known(name) for name in names or others]
@@ -223,11 +225,9 @@ class Recording(FormerNames):
                 writer.writerow([f"{value:.10g}" for value in row])
 
     def _write_parquet(self, path: Path) -> None:
-        try:
+        with named_extras():
             import pyarrow
             import pyarrow.parquet
-        except ImportError as error:
-            raise ImportError("A .parquet needs pyarrow: pip install 'bogie-braking[sweep]'") from error
         fields = [pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit}) for name, unit in self.units.items()]
         table = pyarrow.Table.from_pydict(self._columns, schema=pyarrow.schema(fields))
         pyarrow.parquet.write_table(table, path)

@@ -13,21 +13,16 @@ from types import TracebackType
 from typing import Any
 
 import numpy as np
-from fmpy.fmi1 import FMICallException
-from fmpy.model_description import ModelDescription
 
 from fmu_src.archive import ArchiveError
-from fmu_src.cosimulation.faces import EndedError, Face2, face_of
+from fmu_src.cosimulation import CosimulationError
+from fmu_src.cosimulation.faces import EndedError, Face2, FMICallException, ModelDescription, face_of
 from fmu_src.cosimulation.opening import unpacked
 from fmu_src.suggestion import suggestion
 from readers.storage import ANOTHER_TEMPORARY, writing
 
 #: Value of a variable; a sequence for an array, row by row.
 Value = float | str | Sequence[float]
-
-
-class CosimulationError(RuntimeError):
-    """An FMU cannot be loaded, or a call to it failed; the text is the FMU's own message if it has one."""
 
 
 class FmuInstance:

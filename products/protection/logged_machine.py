@@ -11,10 +11,9 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-import casadi as ca
-
 from fmu_src.compose import compose, scope
 from fmu_src.suggestion import suggestion
+from fmu_src.symbols import ca
 from fmu_src.system import Model, System, Variable, model_of
 from products.machine import MACHINES, Machine
 from products.registry import fmu_named

@@ -1,20 +1,20 @@
 """Largest available deceleration on a rail: a run with the best slip at every instant."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import casadi as ca
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from brake_controller.discs import MEAN_PAD_FRICTION, pad_friction
 from fmu_src.kernel import Kernel
 from products.machine import DISCS, SANDERS, TRACTION, Machine, filling_by_flow
-from products.protection.compiled_machine import machine_kernel, machine_model, own_values
+from products.protection.compiled_machine import machine_kernel, machine_table, own_values
 from products.protection.rails import ABOVE
 from products.protection.runs import Stop
 from products.protection.settings import BRAKE_START, LONGEST, STANDING
@@ -58,8 +58,7 @@ class PeakAdhesion:
             with TemporaryDirectory() as folder:  # a kernel reads a line once and keeps it
                 self.kernel.set(line_file=str(line.write(Path(folder) / "line.csv")))
         self.kernel.initialise()
-        model = machine_model(self.machine, on_line=on_line)
-        self.states = list(model.systems[0].states)
+        model, self.states = machine_table(self.machine, on_line=on_line)
         self.place = np.array(self.kernel.linearise().state)
         self.sanded_from, self._peak = 0.0, 0
         self.values = {variable.name: variable.start for variable in model.variables} | {**own, **rail}
@@ -72,7 +71,7 @@ class PeakAdhesion:
             self.rail.get(name, 0.0) if self.line is None else float(self.line.value(name, distance))
             for name in ("gradient", "curvature")
         )
-        curve = float(ca.evalf(curve_share(ca.SX(abs(curvature)))))
+        curve = float(curve_share(abs(curvature)))
         return gravity * (math.sin(math.atan(gradient)) + self.rail.get("curve_resistance", 0.0) * curve) + runs
 
     def at(self, distance: float, speed: float, slip: float) -> float:
@@ -198,11 +197,4 @@ class PeakAdhesion:
         warmer = motion / (len(machine.numbers) * v["disc_mass"] * v["disc_heat_capacity"])
         rubbing = speed * v["friction_radius"] / machine.parameters.wheel_radius
         temperature = v["initial_disc_temperature"] + warmer
-        return float(self.pads(rubbing, temperature))
-
-    @cached_property
-    def pads(self) -> ca.Function:
-        """Friction of the pads from their sliding speed [m/s] and the temperature of the disc."""
-        speed, temperature = ca.SX.sym("speed"), ca.SX.sym("temperature")
-        values = {name: ca.SX(value) for name, value in self.values.items()}
-        return ca.Function("pads", [speed, temperature], [pad_friction(values, speed, temperature)])
+        return float(pad_friction(v, rubbing, temperature))

@@ -51,7 +51,7 @@ from products.machine import (
     in_order,
 )
 from products.protection import rig_in_c
-from products.protection.compiled_machine import machine_library, machine_model, own_values
+from products.protection.compiled_machine import machine_library, machine_table, own_values
 from products.protection.controller_kinds import Arrays, Form, FunctionsInC, InC, ManyControllers, Outside, at_once
 from products.protection.history import Notebook
 from products.protection.rails import ABOVE, BAND, JERK_TIME, LOCK_ABOVE
@@ -123,7 +123,7 @@ class Rig:
         self.has_reservoir = self.by_flow and not self.driven
         self.machine = replace(self.machine, by_flow=self.has_reservoir, equipment=self.equipment)
         self._call = rig_in_c.functions()
-        self.model = machine_model(self.machine, self.level, self.line is not None)
+        self.model, _ = machine_table(self.machine, self.level, self.line is not None)
         #: Start values of all variables.
         self.first = {variable.name: variable.start for variable in self.model.variables}
         n, demand = self.machine.numbers, "traction_demand" if self.driven else "pressure_demand"

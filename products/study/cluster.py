@@ -21,6 +21,7 @@ from products.study.points import (
     outcomes_from,
     sources,
 )
+from readers.extras import named_extras
 from readers.text import BadInputError
 
 if TYPE_CHECKING:
@@ -37,10 +38,8 @@ def cluster(address: str) -> Iterator[Evaluator]:
     Raises BadInputError before any run: without Dask, a scheduler, workers, or workers with the sources of this
     checkout.
     """
-    try:
+    with named_extras():
         from distributed import Client
-    except ImportError:
-        raise BadInputError("--scheduler needs Dask: pip install 'bogie-braking[sweep]', or leave it out.") from None
     check_form(address)
     for name in ("distributed", "distributed.client"):  # a lost scheduler gets our sentence, not its stack
         logging.getLogger(name).setLevel(logging.CRITICAL)

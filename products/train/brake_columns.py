@@ -37,7 +37,7 @@ from brake_controller.vehicle_brake import (
     NO_LAW,
     TABLE,
     VehicleBrake,
-    braking,
+    brake_force,
     over_points,
     over_speed,
     points_of,
@@ -52,8 +52,6 @@ CYLINDER = {"cylinders": 1.0, "rigging_efficiency": 0.83, "return_force": 1500.0
 PAD_RADIUS = 0.6
 #: Diameters of cylinders by which a brake without a stated cylinder is written [mm].
 DIAMETERS = (406.0, 150.0, 1000.0, 50.0)
-
-_BRAKING = braking()
 
 
 def distributor_of(values: Mapping[str, Any], usual: DistributorParameters) -> DistributorParameters:
@@ -143,7 +141,7 @@ def _pressed(force: float, pressure: float, friction: Mapping[str, float], shoes
 
 
 def _force_at(vehicle_brake: VehicleBrake, pressure: float, speed: float) -> float:
-    return float(_BRAKING(pressure + AMBIENT, speed, list(vehicle_brake.values().values())))
+    return float(brake_force(pressure + AMBIENT, speed, vehicle_brake.values()))
 
 
 def _standing_with(force: float, pressure: float, friction: Mapping[str, float], shoes: float) -> VehicleBrake:

@@ -29,7 +29,7 @@ from brake_controller.electric_brake import NO_ELECTRIC_BRAKE, ElectricBrake
 from brake_controller.parking_brake import NO_PARKING_BRAKE, ParkingBrake
 from brake_controller.track_brakes import NO_TRACK_BRAKES, TrackBrakes
 from brake_controller.traction import NO_TRACTION, Traction
-from brake_controller.vehicle_brake import FRICTIONS, VehicleBrake, braking
+from brake_controller.vehicle_brake import FRICTIONS, VehicleBrake, brake_force
 from products.train.running_resistance import Formula, formula_of
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.vehicle import GRAVITY, MOTION
@@ -46,8 +46,6 @@ EMPTY_UP_TO = 40e3
 PERCENTAGE = {"locomotive": 85.0, "coach": 135.0}
 #: Length of a vehicle at most [m].
 LONGEST_VEHICLE = 31.0
-
-_BRAKING = braking()
 
 
 @dataclass(frozen=True)
@@ -120,8 +118,7 @@ class TrainVehicle:
 
 def forces_of(brake: VehicleBrake, pressure: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return brake forces at the rim [N] by gauge pressures [Pa] and speeds [m/s], one of each, eqs (2.4) to (2.7)."""
-    given = np.tile(np.array(list(brake.values().values()))[:, None], speed.size)
-    return np.ravel(np.asarray(_BRAKING((pressure + AMBIENT)[None, :], speed[None, :], given)))
+    return np.asarray(brake_force(pressure + AMBIENT, speed, brake.values()))
 
 
 def braked_by(

@@ -9,11 +9,10 @@ import numpy as np
 from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, ArrayVariable
 from fmu_src.c_literals import c_array, c_number
 from fmu_src.codegen import RUNTIME
-from fmu_src.equations_in_c import function_of_cells
 from products.train.coupler_tables import coupler_named
 from products.train.layout_in_c import layout_in_c
-from products.train.library import FOLDER
-from rbd_model.train.coupler import COUPLER, Coupler, coupling
+from products.train.library import FOLDER, cells
+from rbd_model.train.coupler import COUPLER, Coupler
 
 NAME = "Coupler"
 WAY = "Way of the coupling from where it is neither long nor short: of the vehicle ahead less that behind"
@@ -35,7 +34,7 @@ def coupler_in_c() -> ArraysInC:
     places += c_array("coupler_limits", "COUPLER_LIMITS", limits)
     own = {
         "coupler_arrays.h": places,
-        "coupler_cells.h": function_of_cells(coupling()),
+        "coupler_cells.h": cells()["coupler"],
         "train_layout.h": layout_in_c(),
     }
     own["coupler_fmu.c"] = (FOLDER / "coupler_fmu.c").read_text(encoding="utf-8")

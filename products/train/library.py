@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import re
 from functools import lru_cache
 from pathlib import Path
@@ -21,15 +22,16 @@ from brake_controller.brake_pipe import (
     walled,
     warmed,
 )
-from brake_controller.distributors import distributors
+from brake_controller.distributors import BUILT_IN, distributors
 from brake_controller.distributors.distributor import Distributor
 from brake_controller.electric_brake import blending
 from brake_controller.parking_brake import parking
 from brake_controller.track_brakes import track_braking
 from brake_controller.traction import driving
 from brake_controller.vehicle_brake import braking
-from fmu_src.compile import loaded, plain_library
+from fmu_src.compile import library_suffix, loaded, plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
+from products.prebuilt import prebuilt_from_these
 from products.train import c as folder
 from products.train.layout_in_c import fields_in_c, layout_in_c
 from rbd_model.train.adhesion import adhering
@@ -42,7 +44,25 @@ FUNCTIONS = {
     "pipe": (sides, passing, rates, dragging, leaking, warmed, ending, walled, tapping, tapped),
     "motion": (coupling, coupling_of_few, rolling, sliding),
     "train": (braking, blending, heating, surfacing, fading, track_braking, parking, driving, adhering),
+    "coupler": (coupling,),
 }
+#: Files of a release: the generated functions, and the compiled library without its suffix.
+CELLS, SHIPPED = "train/cells.json", "train/functions"
+
+
+def cells() -> dict[str, str]:
+    """Return the generated functions by the keys of FUNCTIONS."""
+    return dict(_cells(tuple(distributors().values())))
+
+
+@lru_cache
+def _cells(kinds: tuple[Distributor, ...]) -> dict[str, str]:
+    """Return those that a wheel brings, or new ones if a source has changed or a kind of distributor is added."""
+    if path := prebuilt_from_these(CELLS) if kinds == BUILT_IN else None:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    made = {name: [function() for function in functions_of] for name, functions_of in FUNCTIONS.items()}
+    made["pipe"] += [kind.function(form) for kind in kinds for form in dict.fromkeys(kind.brake_models())]
+    return {name: "\n".join(_arguments_used(function_of_cells(one)) for one in own) for name, own in made.items()}
 
 
 def sources() -> dict[str, str]:
@@ -55,11 +75,10 @@ def _sources(kinds: tuple[Distributor, ...]) -> dict[str, str]:
     files = [path for path in sorted(FOLDER.glob("*.[ch]")) if not path.name.endswith("_fmu.c")]
     texts = {path.name: path.read_text(encoding="utf-8") for path in files}
     texts |= {"train_layout.h": layout_in_c(), "train_fields.h": fields_in_c()}
-    for name, functions_of in FUNCTIONS.items():
-        made = [function() for function in functions_of]
-        if name == "pipe":
-            made += [kind.function(brake_model) for kind in kinds for brake_model in dict.fromkeys(kind.brake_models())]
-        texts[f"{name}_cells.h"] = "\n".join(_arguments_used(function_of_cells(one)) for one in made)
+    for name, text in _cells(kinds).items():
+        if name == "coupler":  # an FMU of its own
+            continue
+        texts[f"{name}_cells.h"] = text
         for lanes in (1, *WIDTHS):
             loops = f'#define LANES {lanes}\n#include "{name}_loops.h"\n'
             texts[f"{name}_{lanes}.c"] = (
@@ -100,7 +119,8 @@ def functions() -> ctypes.CDLL:
 
 @lru_cache
 def _functions(kinds: tuple[Distributor, ...]) -> ctypes.CDLL:
-    library = loaded(plain_library(_sources(kinds)))
+    shipped = prebuilt_from_these(f"{SHIPPED}{library_suffix()}") if kinds == BUILT_IN else None
+    library = loaded(shipped or plain_library(_sources(kinds)))
     pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
     block, told = ctypes.POINTER(number), ctypes.POINTER(count)
     signatures: dict[str, tuple[Any, list[Any]]] = {

@@ -10,7 +10,7 @@ import numpy as np
 
 from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import braked_weight
-from brake_controller.vehicle_brake import braking
+from brake_controller.vehicle_brake import brake_force as force_at_rims
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist, TrainVehicle
 from products.train.layout import START_FRICTION
@@ -23,7 +23,6 @@ from rbd_model.train.vehicle import GRAVITY
 LONGEST, STEP, RESTS = 1800.0, 1.0, 1e-3
 #: Speed at which the resistance of a vehicle is shown [m/s].
 SHOWN = 80.0 / 3.6
-_BRAKING = braking()
 
 
 @dataclass(frozen=True)
@@ -154,7 +153,7 @@ def _remarks(consist: Consist) -> tuple[str, ...]:
 def brake_force(train_vehicle: TrainVehicle, speed: float) -> float:
     """Return the brake force of a vehicle with full cylinders at a speed [m/s] at its rims [N], eqs (2.4) to (2.7)."""
     full = train_vehicle.distributor.full_pressure + AMBIENT
-    return float(_BRAKING(full, speed, list(train_vehicle.brake.values().values())))
+    return float(force_at_rims(full, speed, train_vehicle.brake.values()))
 
 
 def _resisted(law: tuple[float, float, float], speed: float) -> float:

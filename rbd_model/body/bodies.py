@@ -1,11 +1,12 @@
 """The bodies above the wheelsets: six degrees of freedom each, less those that are held."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import casadi as ca
-
 from fmu_src.chain import symbols_in
+from fmu_src.symbols import ca
 from fmu_src.system import System
 from rbd_model.body.effect import Load
 from rbd_model.body.kinematics import Body, axes_rate, pitch_rotation, yaw_roll

@@ -13,10 +13,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import accumulate
 
-import casadi as ca
 import numpy as np
 
 from fmu_src.piecewise import interpolation, look_up, polynomials
+from fmu_src.symbols import ca
 from rbd_model.body.effect import Effect, along, sum_of
 from rbd_model.body.kinematics import axis_of, pitch_rotation
 from rbd_model.body.relation import Relation, Stretch

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import reduce
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.body.relation import Relation, Stretch
 from rbd_model.vehicle.description import DIRECTIONS
 

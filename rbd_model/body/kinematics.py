@@ -6,11 +6,10 @@ limit and its rotation does not enter the geometry of the contact.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
-import casadi as ca
-
-from rbd_model.track.frame import HERE, LEVEL, Pose, TrackFrame
+from fmu_src.symbols import ca
+from rbd_model.track.frame import Pose, TrackFrame, here, level
 
 
 def yaw_roll(yaw: ca.SX, roll: ca.SX) -> ca.SX:
@@ -92,7 +91,7 @@ class Body:
     axes: ca.SX
     own_rate: ca.SX
     angles: ca.SX
-    track: TrackFrame = LEVEL
+    track: TrackFrame = field(default_factory=level)
 
     @property
     def stretch(self) -> ca.SX:
@@ -136,7 +135,7 @@ class Body:
 
         pose: of the track here relative to those axes.
         """
-        if pose is HERE:
+        if pose is here():
             return replace(self, position=self.place)
         axes = pose.axes @ self.axes
         position, velocity = pose.place + pose.axes @ self.place, pose.axes @ self.velocity

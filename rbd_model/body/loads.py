@@ -1,15 +1,16 @@
 """Loads on bodies and wheelsets while they are added up, and the relative positions of bodies."""
 
+from __future__ import annotations
+
 from collections import defaultdict
 from dataclasses import dataclass, field, replace
 
-import casadi as ca
-
 from fmu_src.chain import Chain
+from fmu_src.symbols import ca
 from rbd_model.body.effect import Effect, Load
 from rbd_model.body.kinematics import Body
 from rbd_model.body.relation import Box, End, Relation, narrow
-from rbd_model.track.frame import HERE, Pose, relative
+from rbd_model.track.frame import Pose, here, relative
 from rbd_model.vehicle.description import Wheelset, wheelset_name
 
 
@@ -80,7 +81,7 @@ class Loads:
         spin = axes.T @ beside.own_rate - body.own_rate
         axes, spin = narrow(self.chain, axes, spin)
         (roll, pitch, yaw) = ca.vertsplit(body.angles - beside.angles)
-        in_plane = self.pose(upper, lower) is HERE and roll.is_zero() and yaw.is_zero()
+        in_plane = self.pose(upper, lower) is here() and roll.is_zero() and yaw.is_zero()
         return Relation(axes, apart, velocity, spin, centres, pitch if in_plane else None)
 
     def relation_of_box(self, upper: str, lower: str) -> Relation:

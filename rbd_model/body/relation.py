@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import casadi as ca
 import numpy as np
 
 from fmu_src.chain import Chain
+from fmu_src.symbols import ca
 from rbd_model.body.kinematics import Body, angle_of
 from rbd_model.vehicle.assembly import Sizes
 from rbd_model.vehicle.description import Place

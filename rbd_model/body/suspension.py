@@ -1,18 +1,19 @@
 """All connections of a vehicle; those of two bodies are a part, which equal pairs call together."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-import casadi as ca
-
 from fmu_src.chain import Chain, Part, digest_of
+from fmu_src.symbols import ca
 from rbd_model.body.bodies import MovingBody
 from rbd_model.body.connections import STATELESS, connect, connect_stateless
 from rbd_model.body.effect import Load, along, sum_of
 from rbd_model.body.kinematics import Body, turned_about_axes
 from rbd_model.body.loads import Loads
 from rbd_model.body.relation import End
-from rbd_model.track.frame import HERE, Pose, TrackFrame
+from rbd_model.track.frame import Pose, TrackFrame, here
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import RigidBody, Size, SuspensionElement, Wheelset, wheelset_name
 
@@ -93,11 +94,11 @@ def hold(loads: Loads, assembly: Assembly, upper: str, lower: str, connections: 
     )
     (above,), (below,) = inside.of[upper], inside.of[lower]
     results = [above.force, above.moment, below.moment]
-    results += [] if pose is HERE else [below.force]
+    results += [] if pose is here() else [below.force]
     results += [inside.box(upper, lower).axle] if boxed else []
     results, values = call(assembly.system, taken, ca.vertcat(*results)), taken.both(0)
     loads.of[upper].append(Load(results[0], results[1]))
-    loads.of[lower].append(Load(-results[0] if pose is HERE else results[3], results[2]))
+    loads.of[lower].append(Load(-results[0] if pose is here() else results[3], results[2]))
     if boxed:
         loads.axles[upper, lower] = results[-1]
     energies = [taken.chain.expand(one) for one in (inside.stored, inside.lost)]
@@ -130,7 +131,7 @@ def _all_of_it(taken: Taken, results: ca.SX) -> ca.Function:
 def in_part(loads: Loads, upper: str, lower: str, connections: Sequence[SuspensionElement]) -> bool:
     """Return true if a pair's connections are a part: at the planar level, section 5.2, a wheelset has few."""
     below = loads.ends[lower]
-    simple = below.boxed and below.body.angles.is_constant() and loads.pose(upper, lower) is HERE
+    simple = below.boxed and below.body.angles.is_constant() and loads.pose(upper, lower) is here()
     return not (loads.ends[upper].boxed or simple) and all(
         isinstance(connection, STATELESS) for connection in connections
     )
@@ -143,7 +144,7 @@ def ends_in_part(taken: Taken, loads: Loads, upper: str, lower: str) -> dict[str
     """
     bodies = [loads.ends[name].body for name in (upper, lower)]
     places = [ca.vertcat(body.place, body.velocity) for body in bodies]
-    if loads.pose(upper, lower) is HERE:
+    if loads.pose(upper, lower) is here():
         places = [places[0] - places[1], ca.SX(6, 1)]
     rates = [body.own_rate for body in bodies]
     if loads.ends[lower].boxed:
@@ -163,8 +164,8 @@ def poses_in_part(taken: Taken, loads: Loads, upper: str, lower: str) -> dict[tu
     (3.12).
     """
     pose = loads.pose(upper, lower)
-    if pose is HERE:
-        return {(upper, lower): HERE, (lower, upper): HERE}
+    if pose is here():
+        return {(upper, lower): here(), (lower, upper): here()}
     tracks = [loads.ends[name].body.track for name in (upper, lower)]
     own = Pose.of(taken.constants(pose.vector))
     distances = taken.arguments(ca.vertcat(*[track.plan.distance for track in tracks if track.plan]))

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, System, Variable, quantity
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.of_steel import law_of_ratio

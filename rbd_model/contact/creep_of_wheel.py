@@ -1,10 +1,11 @@
 """Creep of one patch in 3D: its ellipse, its friction and the chosen creep law."""
 
+from __future__ import annotations
+
 from functools import lru_cache
 
-import casadi as ca
-
 from fmu_src.chain import Chain, Part
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.creep.law import SMALLEST_FRICTION, SMALLEST_LOAD, ContactPatch, CreepLaw, at_least
 from rbd_model.contact.friction import Surface

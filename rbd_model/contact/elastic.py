@@ -1,11 +1,13 @@
 """Elastic contact after Hertz: the normal force of two bodies that approach each other, unilateral, with damping."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 
+from fmu_src.symbols import ca
 from rbd_model.contact.hertz import POISSON_RATIO, curvature_ratio, elliptic_integrals, polynomial
 
 #: Range of ln(a/b) of the fit and its terms. A wheel's straight flange on a gauge corner of 13 mm reaches 3.

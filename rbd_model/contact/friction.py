@@ -5,11 +5,12 @@ law: O. Polach (2005), Creep forces in simulations of traction vehicles running 
 With the start values nothing falls.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, quantity
 from rbd_model.contact.creep.law import Reduction
 

@@ -1,11 +1,14 @@
 """Normal contact: the Hertz ellipse between wheel and rail, eqs (3.82)-(3.88)."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import lru_cache
 
-import casadi as ca
 import numpy as np
+
+from fmu_src.symbols import ca
 
 #: Default Poisson's ratio: a column of Kalker's table (`kalker.py`), assumed, because the thesis gives none. Steel has
 #: 0.28, see `Vehicle.poisson_ratio`. For the effect see docs/limits.md, Creep laws.

@@ -1,9 +1,10 @@
 """Common parts of the levels with bodies: motion of bodies, their outputs and energies."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.body.bodies import MovingBody, move_body
 from rbd_model.body.effect import Load
 from rbd_model.body.kinematics import Body

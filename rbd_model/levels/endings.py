@@ -1,9 +1,10 @@
 """End conditions of a spatial run, and warnings of wheels that climb or lift (section 9.4.1)."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.contact.geometry import flange_of
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.wheelset.elastic import ElasticWheelset

@@ -8,11 +8,12 @@ Coordinates: x forward, z up, pitch positive nose down. `shift` is the longitudi
 its place in the vehicle; the axle heights do not change.
 """
 
+from __future__ import annotations
+
 from dataclasses import replace
 from functools import partial
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from fmu_src.system import System
 from rbd_model.body.bodies import Shift, move_along, place_bodies
 from rbd_model.body.kinematics import Body

@@ -6,11 +6,12 @@ This level is valid far from the adhesion limit. It does not model the load tran
 braking. It may therefore miss a lock-up near the limit, or compute it wrongly.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from fmu_src.system import System
 from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
 from rbd_model.levels.resistance import Resistance, add_resistance

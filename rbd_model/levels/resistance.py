@@ -6,11 +6,12 @@ in railway handbooks. Its share of the weight is 0.650 / (R - 55 m) on main line
 m. All are zero with the start values.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import casadi as ca
-
+from fmu_src.symbols import Term, ca
 from fmu_src.system import ParameterSet, System, quantity
 from rbd_model.track.line_table import along_line
 from rbd_model.vehicle.assembly import Assembly
@@ -122,7 +123,7 @@ def curvatures_at(assembly: Assembly, places: Sequence[ca.SX]) -> list[ca.SX]:
     return [along_line(assembly.system, "heading", place, 1)[1] for place in places]
 
 
-def curve_share(curvature: ca.SX) -> ca.SX:
+def curve_share(curvature: Term) -> Term:
     """Return the resistance in a curve as a share of the weight, von Roeckl (1880); curvature [1/m] >= 0."""
     tight = curvature * RADIUS > 1
     # A sum instead of a choice, which would take longer: this is evaluated after every step.

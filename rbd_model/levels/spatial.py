@@ -7,12 +7,13 @@ Positions along the track are relative to the vehicle's place; `shift` is that o
 there.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from fmu_src.system import System
 from rbd_model.body.bodies import place_bodies
 from rbd_model.body.kinematics import Body

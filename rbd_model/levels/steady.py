@@ -4,11 +4,12 @@ On straight and level track the start values are a state of rest. In a curve its
 15 cm for 19 m between bogies at R 300 m. Wheelsets run at a flange, and springs are deflected.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 
-import casadi as ca
-
 from fmu_src.states import SteadyStart
+from fmu_src.symbols import ca
 from rbd_model.body.kinematics import Body
 from rbd_model.vehicle import variables
 from rbd_model.vehicle.assembly import Assembly

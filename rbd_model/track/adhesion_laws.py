@@ -9,16 +9,16 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fmu_src.symbols import ca
 from rbd_model.track.friction import RailCondition
 from rbd_model.track.recovery import RecoveryParameters
 
 Numbers = NDArray[np.float64]
 #: A number, numbers, or a symbol.
-Value = TypeVar("Value", float, Numbers, ca.SX)
+Value = TypeVar("Value", float, Numbers, "ca.SX")
 
 
 def at_speed(speed: Value) -> Value:

@@ -9,10 +9,10 @@ that nothing here is linearised.
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-import casadi as ca
+from functools import cache
 
 from fmu_src.chain import Chain
+from fmu_src.symbols import ca
 from fmu_src.system import System
 from rbd_model.track.line_table import along_line
 
@@ -64,8 +64,10 @@ class TrackFrame:
         return self.plan.height + ca.dot(self.up[1:], position[1:])
 
 
-#: Straight and level: the axes of section 3.2.1 that are treated as inertial.
-LEVEL = TrackFrame(ca.SX.zeros(3), ca.SX([0, 0, 1]))
+@cache
+def level() -> TrackFrame:
+    """Return straight and level track: the axes of section 3.2.1 that are treated as inertial."""
+    return TrackFrame(ca.SX.zeros(3), ca.SX([0, 0, 1]))
 
 
 def on_gradient(gradient: ca.SX) -> TrackFrame:
@@ -181,11 +183,13 @@ class Pose:
     @property
     def back(self) -> Pose:
         """Return the pose of the one relative to the other."""
-        return self if self is HERE else Pose(self.axes.T, -self.axes.T @ self.place)
+        return self if self is here() else Pose(self.axes.T, -self.axes.T @ self.place)
 
 
-#: Pose of a frame relative to itself, and of all straight track.
-HERE = Pose(ca.SX.eye(3), ca.SX(3, 1))
+@cache
+def here() -> Pose:
+    """Return the pose of a frame relative to itself, and of all straight track."""
+    return Pose(ca.SX.eye(3), ca.SX(3, 1))
 
 
 def relative(chain: Chain, at: TrackFrame, other: TrackFrame) -> Pose:
@@ -194,7 +198,7 @@ def relative(chain: Chain, at: TrackFrame, other: TrackFrame) -> Pose:
     Heading and chord between them follow from differences alone.
     """
     if at.plan is None or other.plan is None or at is other:
-        return HERE
+        return here()
     (ahead, aside), (forwards, sideways) = ca.vertsplit(at.plan.heading), ca.vertsplit(other.plan.heading)
     c, s = ahead * forwards + aside * sideways, ahead * sideways - aside * forwards
     about_z = ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))

@@ -5,11 +5,12 @@ law: O. Polach (2005), Creep forces in simulations of traction vehicles running 
 mu0 are the inputs friction_1, friction_2. With the start values nothing falls and nothing changes along the track.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, System, quantity
 from rbd_model.contact.friction import FallingFriction, Surface, constant_friction
 

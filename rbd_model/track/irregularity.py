@@ -5,16 +5,18 @@ rails are treated as straight along the track. This approximation has an error o
 irregularity: a wheelset that follows a wave yaws relative to the axes of the track, not to the rails.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-import casadi as ca
 import numpy as np
 from scipy.interpolate import BPoly, PPoly
 
 from fmu_src.chain import Part
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, System, quantity
 from rbd_model.track.line import Line
 from rbd_model.track.line_table import along_line
@@ -110,7 +112,7 @@ class Section:
 
 #: Adds the track to a System (parameters or tables). Returns its section as a function of a wheelset's number, a
 #: distance and the number of derivatives.
-Track = Callable[[System], Callable[[int, ca.SX, int], Section]]
+Track = Callable[[System], "Callable[[int, ca.SX, int], Section]"]
 
 
 def blend(share: ca.SX) -> ca.SX:

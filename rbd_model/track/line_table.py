@@ -4,11 +4,12 @@ Between rows all values are linear. Corners at rows are rounded (fmu_src/runtime
 line are computed in line.c.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from pathlib import Path
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from fmu_src.system import System, Variable
 from fmu_src.user_files import TableFile, TablePiece
 from readers.columns import Column

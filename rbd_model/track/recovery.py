@@ -8,10 +8,11 @@ The cleaning of the rail between the axles is stored. Beyond them the rail is tr
 already been.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from fmu_src.system import Model, ParameterSet, System, Variable, model_of, quantity
 
 WORDS = {1: "leading", 2: "trailing"}

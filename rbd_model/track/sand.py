@@ -13,8 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, System, Variable, quantity
 
 #: Least speed in the sand per metre of a sander [m/s]; length over which its sand begins [m].

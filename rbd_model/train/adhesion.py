@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import casadi as ca
-
 from fmu_src.chain import function_of
+from fmu_src.symbols import ca
 from fmu_src.variables import Field
 from rbd_model.track.adhesion_laws import at_speed
 

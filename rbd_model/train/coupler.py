@@ -13,9 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-import casadi as ca
-
 from fmu_src.chain import function_of
+from fmu_src.symbols import ca
 from fmu_src.variables import Field
 
 #: Largest number of points of a curve, including the one that a preload adds, and that of curves with few points. A

@@ -6,9 +6,8 @@ Moreau's time stepping: Unilateral contact and dry friction in finite freedom dy
 
 from __future__ import annotations
 
-import casadi as ca
-
 from fmu_src.chain import function_of
+from fmu_src.symbols import ca
 from fmu_src.variables import Field
 
 #: Standard gravity [m/s2] (ISO 80000-3).

@@ -1,15 +1,16 @@
 """The start of every level of detail: a System of a vehicle, whose symbols are declared at their first use."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol
-
-import casadi as ca
+from typing import Any, Protocol
 
 from fmu_src.chain import Chain
+from fmu_src.symbols import ca
 from fmu_src.system import System, Variable
 from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
-from rbd_model.track.frame import LEVEL, TrackFrame
+from rbd_model.track.frame import TrackFrame, level
 from rbd_model.track.friction import Rail, add_rail
 from rbd_model.track.irregularity import ballasted_track
 from rbd_model.vehicle import variables
@@ -21,7 +22,7 @@ from rbd_model.vehicle.statics import Statics, statics
 INITIAL_SPEED = 25.0
 
 
-class Declared(dict[str, ca.SX]):
+class Declared(dict[str, Any]):
     """Symbols by name; a missing one is declared at its first use."""
 
     def __init__(self, declare: Callable[[str], ca.SX]) -> None:
@@ -70,7 +71,7 @@ class Assembly:
     #: Height of the wheelset axes in the coordinates of positions [m].
     axle_height: ca.SX = field(default_factory=lambda: ca.SX(0))
     #: The axes of the track at a body, by its distance [m].
-    frame_at: Callable[[ca.SX], TrackFrame] = lambda distance: LEVEL
+    frame_at: Callable[[ca.SX], TrackFrame] = lambda distance: level()
     #: Travel of the first body per metre along the line [1].
     first_stretch: ca.SX = field(default_factory=lambda: ca.SX(1))
 

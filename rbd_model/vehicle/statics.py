@@ -1,10 +1,11 @@
 """The vehicle at rest: the static load of each spring and of each wheelset."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.vehicle.description import Place, RigidBody, Size, Vehicle, wheelset_name
 
 

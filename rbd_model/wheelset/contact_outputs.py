@@ -11,9 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-import casadi as ca
-
 from fmu_src.chain import Bundle, Chain, Each, Part, rows
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
 from rbd_model.contact.creep_of_wheel import creep_of_wheel
 from rbd_model.contact.depth import Contact

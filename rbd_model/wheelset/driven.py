@@ -6,11 +6,12 @@ shaft is elastic or rigid. Newton's laws, as (2.8) with two rails and with torqu
 m dV/dt = F_1 + F_2 - R,   J_i dw_i/dt = M_before - M_after - F_i r - B_i,   M = k theta + c dtheta/dt
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, System, Variable, quantity
 from rbd_model.contact.creep.law import SMALLEST_FRICTION, SMALLEST_LOAD, at_least
 from rbd_model.contact.friction import FallingFriction, Surface
@@ -74,7 +75,7 @@ def electric_locomotive() -> DrivenParameters:
 
 #: A motor: a function of the system and the rotor's speed [rad/s]. Results: its torque on the rotor [N.m], and the same
 #: at the start.
-Motor = Callable[[System, ca.SX], tuple[ca.SX, ca.SX]]
+Motor = Callable[[System, "ca.SX"], "tuple[ca.SX, ca.SX]"]
 
 
 @dataclass(frozen=True)

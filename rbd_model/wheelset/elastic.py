@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.body.bodies import start_along
 from rbd_model.body.effect import Load
 from rbd_model.body.kinematics import Body, axes_rate, direction_cosines, turned_by

@@ -1,10 +1,11 @@
 """A wheelset in 3D at its place in a vehicle, common to all contact models: states, track, suspension, brake."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.body.bodies import Shift, move_along
 from rbd_model.body.effect import Load
 from rbd_model.body.kinematics import Body

@@ -1,11 +1,12 @@
 """A wheelset that rolls, skids or is locked on a level rail, its wheels centred: common parts of levels 1 and 2."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import SMALLEST_FRICTION, SMALLEST_LOAD, at_least
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS

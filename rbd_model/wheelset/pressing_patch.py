@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-import casadi as ca
-
 from fmu_src.chain import Bundle, Chain, Part, rows
+from fmu_src.symbols import ca
 from rbd_model.body.kinematics import turned_by
 from rbd_model.contact.creep.law import SMALLEST_LOAD, CreepLaw, at_least
 from rbd_model.contact.creep.of_steel import OfSteel

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
-import casadi as ca
 import numpy as np
 
 from fmu_src.piecewise import look_up_in, polynomials
 from fmu_src.records import OwnRecord
+from fmu_src.symbols import ca
 from rbd_model.contact.geometry import Side, Sides
 from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.contact.pair_table import LARGEST_SHIFT, STAND_PITCH, pair_record, shape_at
 from rbd_model.contact.patches import TreadStand, stand_on_treads
 from rbd_model.vehicle.assembly import Assembly
 
-Number = ca.SX | float
+Number: TypeAlias = "ca.SX | float"
 #: Terms of a straight line; places of the tables of a `pair_table.PAIR`.
 LINE_TERMS, HEIGHT, ROLL = 2, 0, 1
 

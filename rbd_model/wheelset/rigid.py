@@ -3,12 +3,13 @@
 It applies to straight track only. The effect of the rails on the wheelset is the part of `rigid_part`.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.body.effect import Load
 from rbd_model.body.kinematics import Body, turned_by
 from rbd_model.contact.geometry import Sides, contact_at, flange_of, last_tread_contact

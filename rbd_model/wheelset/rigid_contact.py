@@ -9,13 +9,14 @@ wheel's normal at (s, theta) is (-sin theta, -side w', cos theta) / sqrt(1 + w'^
 theta in closed form. The equal slope of the rail is one equation for s. The height follows from no gap.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-import casadi as ca
-
 from fmu_src.chain import Chain, Part
 from fmu_src.piecewise import polynomials
+from fmu_src.symbols import ca
 from fmu_src.system import System
 from rbd_model.body.kinematics import turned_by
 from rbd_model.contact.geometry import Pair

@@ -10,14 +10,15 @@ themselves.
 All this is one part: generated once, called for each wheelset.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-import casadi as ca
-
 from fmu_src.chain import Bundle, Chain, Part, rows
+from fmu_src.symbols import ca
 from rbd_model.body.kinematics import axes_rate, direction_cosines, turned_by
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep_of_wheel import creep_of_wheel, how_it_slides

@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from fmu_src.system import System
 from rbd_model.body.bodies import Shift, add_shift
 from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least, creepage

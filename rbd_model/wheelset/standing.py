@@ -10,9 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
-import casadi as ca
-
 from fmu_src.chain import Chain, Each, Part
+from fmu_src.symbols import ca
 from rbd_model.body.bodies import at_start
 from rbd_model.body.kinematics import direction_cosines
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
@@ -37,7 +36,7 @@ ROUNDS, LARGEST_FALL, LARGEST_LIFT = 8, 0.1e-3, 0.2e-3
 #: Times that both wheels are lifted at the start: a tilt moves their patches sideways, on a slope up or down.
 TILTS = 3
 #: Rows of a `PatchState`.
-STATE = PatchState.symbols("state").vector.numel()
+STATE = PatchState.length()
 
 
 def sinking(assembly: Assembly, number: int, profiles: ProfilesOf) -> ca.SX:

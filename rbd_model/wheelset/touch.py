@@ -8,12 +8,13 @@ In the axes that yaw and roll with the wheelset the wheel's normal at (s, theta)
 sqrt(1 + w'^2). Its direction across the rail gives theta in closed form, from eq. (3.54).
 """
 
-from dataclasses import dataclass
+from __future__ import annotations
 
-import casadi as ca
+from dataclasses import dataclass
 
 from fmu_src.chain import Chain
 from fmu_src.piecewise import polynomials
+from fmu_src.symbols import ca
 from rbd_model.body.kinematics import turned_by
 
 LEFT, RIGHT = 1, -1

@@ -12,12 +12,12 @@ from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from typing import Protocol
 
-import casadi as ca
 import numpy as np
 
 from fmu_src.chain import Bundle, Chain, Part, rows
 from fmu_src.piecewise import look_up, look_up_in, numbers_in, polynomials
 from fmu_src.records import Record
+from fmu_src.symbols import ca
 from rbd_model.body.kinematics import turned_by
 from rbd_model.contact.bearing import APPROACHES, CUBIC, IN_CONTACT
 from rbd_model.contact.elastic import SMALLEST_APPROACH

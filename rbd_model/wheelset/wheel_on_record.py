@@ -9,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-import casadi as ca
-
 from fmu_src.chain import Chain, Each, Part
+from fmu_src.symbols import ca
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.pair_table import SIDE
 from rbd_model.wheelset.pressing_patch import (

@@ -12,8 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.scales import NOMINAL_TRAVEL_SPEED
 from rbd_model.wheelset.touch import SIDES

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
@@ -13,6 +12,7 @@ from fmu_src.compile import build_library
 from fmu_src.compose import compose
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, Library
+from fmu_src.symbols import ca
 from fmu_src.system import System, Variable, model_of
 from rbd_model.track.sand import SandParameters, common_sand, sanders
 

@@ -23,6 +23,7 @@ from products.protection.runs import Run
 from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from products.study.points import process_pool
+from readers.extras import named_extras
 
 Numbers = NDArray[np.float64]
 #: Period of the controllers and of the integration steps [s].
@@ -224,10 +225,8 @@ def least(
 
     Takes first (n,).
     """
-    try:
+    with named_extras():
         import cma
-    except ImportError as missing:
-        raise ImportError('The search needs cma: pip install "bogie-braking[gym]".') from missing
     search = cma.CMAEvolutionStrategy(first, step, {"seed": 1, "verbose": -9})
     with counting(total=generations, text="generations", unit="") as bar:
         for _ in range(generations):

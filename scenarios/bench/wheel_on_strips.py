@@ -1,14 +1,16 @@
 """One wheel by strips, the contact model 3 of the level `spatial`: compiled alone, and evaluated at given positions."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 from scipy.optimize import brentq
 
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
+from fmu_src.symbols import ca
 from fmu_src.system import System, Variable, model_of
 from rbd_model.body.kinematics import direction_cosines, turned_by
 from rbd_model.contact.distance import LEFT, Stand, touching

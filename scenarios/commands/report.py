@@ -12,7 +12,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from bogie_braking.common_options import add_out, look_for_plotly
+from bogie_braking.common_options import add_out
 from bogie_braking.exit_status import HOLDS
 from bogie_braking.reporting import plots
 from bogie_braking.reporting.report import VERDICTS, number, parted, verdict_of
@@ -20,6 +20,7 @@ from bogie_braking.reporting.saved import SavedRun, results_in
 from bogie_braking.reporting.scenario import BadInputError
 from bogie_braking.web.frame import filled
 from readers.command_line import check_folder
+from readers.extras import need
 from readers.storage import write_whole
 from scenarios.catalogue import SCENARIOS
 
@@ -37,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace) -> int:
     """Join all results of a folder into one page, and print which are left out."""
     check_folder(chosen.out)
-    look_for_plotly()
+    need("plotly")
     page, skipped = write_index(chosen.out)
     for message in skipped:
         print(message, file=sys.stderr)

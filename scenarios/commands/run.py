@@ -18,7 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from bogie_braking.common_options import add_out, add_speech, add_track, bars, describe, look_for_plotly
+from bogie_braking.common_options import add_out, add_speech, add_track, bars, describe
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
 from bogie_braking.reporting.progress import ticking
 from bogie_braking.reporting.report import Report, save, short_table, stopwatch, table
@@ -26,6 +26,7 @@ from bogie_braking.reporting.saved import wall_seconds
 from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.variables import LARGEST_TOLERANCE
 from readers.command_line import check_folder, quantity
+from readers.extras import need
 from readers.text import BadInputError
 from scenarios.catalogue import SCENARIOS, find
 
@@ -93,7 +94,7 @@ def run(chosen: argparse.Namespace) -> int:
     check(scenario, options)
     further = None
     if chosen.html:
-        look_for_plotly()
+        need("plotly")
         from bogie_braking.reporting.html_report import write_report
 
         further = partial(write_report, scenario)

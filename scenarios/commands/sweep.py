@@ -31,6 +31,7 @@ from products.study.journal import JOURNAL, Journal
 from products.study.points import Evaluator, Outcome, in_processes, point_function
 from products.study.study import Study, kept_outcomes_of
 from readers.command_line import check_folder, whole
+from readers.extras import install
 from readers.text import BadInputError
 from scenarios import catalogue
 
@@ -133,4 +134,4 @@ def report(study: Study, outcomes: Sequence[Outcome], folder: Path, written: Seq
         print(f"The first that failed, at {at}: {outcomes[failed[0]].failure}")
     print(f"Table: {', '.join(str(folder / name) for name in written)}")
     if "table.parquet" not in written:
-        print("No table.parquet: pip install 'bogie-braking[sweep]' and give the same command again.")
+        print(f"No table.parquet: {install('sweep')} and give the same command again.")

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-import casadi as ca
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -20,6 +19,7 @@ from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, Row, at_most, measured, value_of
 from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from fmu_src.symbols import ca
 from fmu_src.system import System
 from rbd_model.body.kinematics import direction_cosines, turned_by
 from rbd_model.contact.creep.fastsim import fastsim

@@ -1,9 +1,10 @@
 """A wheelset pushed against its rail: at which Y/Q it climbs, over friction and yaw, against Nadal (1896)."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 
-import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -13,6 +14,7 @@ from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, Row, at_least, measured, near
 from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.exact_table import exact_law
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.depth import Contact

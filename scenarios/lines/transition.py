@@ -6,10 +6,12 @@ back on the trailing one. It is half of the difference between the middles of th
 the twist differs.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
-import casadi as ca
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -21,6 +23,7 @@ from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, Row, measured, near
 from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from fmu_src.symbols import ca
 from products.building import units_of
 from products.kernel_runs import prepare_on_line
 from rbd_model.contact.elastic import elastic_force
@@ -116,6 +119,7 @@ def contact_stiffness() -> float:
 TRACK, SPRINGS = ballasted_track(), 2 * BOGIE.vertical_stiffness * BOGIE.vertical_half_spacing**2
 
 
+@cache
 def roll_stiffness() -> float:
     """Return the roll stiffness of one wheelset between ground and frame: springs, wheels on rails, rails on the track
     [N.m/rad].
@@ -124,8 +128,9 @@ def roll_stiffness() -> float:
     return 1 / (1 / SPRINGS + softness / (2 * SPACING**2))
 
 
-#: Share of the springs in a roll of springs, contacts and track in series [1].
-FELT = roll_stiffness() / SPRINGS
+def felt() -> float:
+    """Return the share of the springs in a roll of springs, contacts and track in series [1]."""
+    return roll_stiffness() / SPRINGS
 
 
 def statics(case: Ride) -> float:
@@ -134,9 +139,9 @@ def statics(case: Ride) -> float:
     The load of the frame rests on wheelsets that lean by the springs' share of half of the twist. This pushes each
     aside; the rail reacts r below the axle box.
     """
-    leant = FELT * case.twist / 2
+    leant = felt() * case.twist / 2
     leaning = BOGIE.frame_mass * BOGIE.gravity / 2 * leant * BOGIE.wheel_radius
-    return (roll_stiffness() * case.twist / 2 - FELT * leaning) / (2 * SPACING)
+    return (roll_stiffness() * case.twist / 2 - felt() * leaning) / (2 * SPACING)
 
 
 def shares(case: Ride, series: Recording) -> dict[str, float]:
@@ -154,8 +159,8 @@ def shares(case: Ride, series: Recording) -> dict[str, float]:
     load = MASS * BOGIE.gravity / 2
     return {
         "springs": roll_stiffness() * case.twist / 2 / (2 * SPACING),
-        "guiding forces": FELT * guiding * BOGIE.wheel_radius / (2 * SPACING),
-        "shift": -shift * (FELT * load + roll_stiffness() * conicity / SPACING) / (2 * SPACING),
+        "guiding forces": felt() * guiding * BOGIE.wheel_radius / (2 * SPACING),
+        "shift": -shift * (felt() * load + roll_stiffness() * conicity / SPACING) / (2 * SPACING),
     }
 
 

@@ -1,6 +1,7 @@
 """Polach's creep forces (eqs 3.89-3.105) against Kalker's exact theory: the error of the fast law."""
 
-import casadi as ca
+from __future__ import annotations
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -8,6 +9,7 @@ from bogie_braking.reporting.plots import BOGIE, LEADING, LINES, THREE, plt, tit
 from bogie_braking.reporting.report import Report, at_most, measured
 from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach

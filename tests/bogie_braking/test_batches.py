@@ -14,7 +14,7 @@ import bogie_braking as bb
 from bogie_braking import sweeping
 from bogie_braking.machines import batch_machine_of
 from fmu_src import elimination
-from fmu_src.batch import BatchLibrary, Ends, batch_source, run_batch
+from fmu_src.batch import BatchLibrary, Ends, batch_source, compiled_batch, run_batch
 from fmu_src.kernel import Kernel, SimulationError
 
 BRAKED = {"initial_speed": 25.0, "brake_torque_1": 20e3, "brake_torque_2": 20e3}
@@ -53,7 +53,7 @@ def test_a_long_elimination_is_cut_into_any_number_of_pieces(
     cut = batch_source(model, system)
     assert sum(text.count("static void piece_9_of_planar_factorise") for text in cut.values()) == 1
     values = BRAKED | {"level": 2, "friction_1": FRICTION[:4]}
-    ends = [run_batch(one, values, 8.0, OUTPUTS) for one in (planar, BatchLibrary(model, system))]
+    ends = [run_batch(one, values, 8.0, OUTPUTS) for one in (planar, compiled_batch(model, system))]
     for name in OUTPUTS:
         assert np.array_equal(ends[0][name], ends[1][name])
 
@@ -123,7 +123,7 @@ def test_runs_in_space_that_end_early_are_those_which_they_are_alone() -> None:
 def test_order_threads_and_width_change_no_bit(planar: BatchLibrary, lanes: int) -> None:
     if lanes > planar.lanes:
         pytest.skip("this processor has fewer lanes")
-    other = BatchLibrary(planar.model, planar.model.systems[0], lanes)
+    other = compiled_batch(planar.model, planar.model.systems[0], lanes)
     values = {**BRAKED, "friction_1": FRICTION, "friction_2": FRICTION[::-1]}
     expected = run_batch(planar, values, 12.0, OUTPUTS, 1, all_messages=True)
     order = np.random.default_rng(31).permutation(FRICTION.size)

@@ -230,7 +230,7 @@ def test_the_module_alone_makes_it_known() -> None:
     assert done.stdout == "(5,)\n"
     code = "import sys; sys.modules['gymnasium'] = None; import bogie_braking.gym"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.stderr.endswith('Environments need gymnasium: pip install "bogie-braking[gym]".\n')
+    assert done.stderr.endswith("Environments need gymnasium: pip install 'bogie-braking[gym]'.\n")
 
 
 # ---- what cannot be --------------------------------------------------------------------------------------------------

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from packaging.tags import platform_tags
 
 import release
+from bogie_braking.exit_status import BAD_INPUT
 from bogie_braking.live import page as live
 from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
 from fmu_src import compile as compiling
+from fmu_src.compile import library_suffix
 from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.kernel import Kernel, Library
 from products import building, prebuilt
@@ -28,6 +32,7 @@ def filled_once(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("prebuilt")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(release, "DIFFERENT", ["brake"])
+        patch.setattr(release, "READY", {})
         release.fill(folder, PLATFORM)
     return folder
 
@@ -132,3 +137,57 @@ def test_checksums_are_those_of_the_files(tmp_path: Path) -> None:
     # FIPS 180-4, example with one block.
     known = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
     assert (tmp_path / "SHA256SUMS").read_text() == f"{known}  abc\n"
+
+
+#: Without the packages of all extras, and with the files of a release in the folder of the first argument.
+BARE = """
+import sys
+from importlib.abc import MetaPathFinder
+from pathlib import Path
+
+from readers import extras
+
+
+class Missing(MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in extras.EXTRAS:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
+sys.meta_path.insert(0, Missing())
+extras.find_spec = lambda name: None
+from products import prebuilt
+
+prebuilt.PREBUILT = Path(sys.argv[1])
+import bogie_braking as bb
+from bogie_braking.__main__ import main
+from tests.bogie_braking.ready import run_all
+
+run_all(["train", "consist", "curves"])
+print(bb.run("brake", 5.0, pressure_demand=180e3)["brake_torque"][-1])
+assert main(["doctor"]) == 0
+for refused in (lambda: bb.run("rail", 1.0), lambda: bb.cosimulate, lambda: bb.write_fmu("brake", "brake.fmu")):
+    try:
+        refused()
+    except extras.MissingExtraError as error:
+        print(error)
+sys.exit(main(["run", "demo"]))
+"""
+
+
+def test_without_extras_and_a_compiler_ready_machines_run_and_others_name_the_extra(
+    filled: Path, tmp_path: Path
+) -> None:
+    """A torque on the brake's full pressure is that of its kernel here, with all packages."""
+    nothing = {"PATH": "", "CC": "", "BOGIE_BRAKING_CACHE": str(tmp_path / "cache"), "PYTHONPATH": str(release.ROOT)}
+    call = [sys.executable, "-c", BARE, str(filled)]
+    done = subprocess.run(call, cwd=tmp_path, env=nothing, capture_output=True, text=True)
+    *_, rail, master, fmu = [line for line in done.stdout.splitlines() if "pip install" in line and "->" not in line]
+    assert rail == "New equations need CasADi: pip install 'bogie-braking[build]'."
+    assert master == fmu == "FMUs need FMPy: pip install 'bogie-braking[fmu]'."
+    needs = "FMUs need FMPy, figures need Matplotlib: pip install 'bogie-braking[fmu,plots]'.\n"
+    assert (done.returncode, done.stderr) == (BAD_INPUT, needs)
+    kernel = Kernel(Library(filled / "kernel" / f"brake{library_suffix()}"), pressure_demand=180e3)
+    kernel.advance(5.0)
+    assert f"\n{kernel['brake_torque']}\n" in done.stdout
+    assert not list((tmp_path / "cache").rglob("*.so"))

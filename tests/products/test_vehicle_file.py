@@ -440,7 +440,7 @@ def test_a_vehicle_with_tables_of_forces_has_no_parameter_set(
 def test_the_page_opens_with_a_distance_and_the_number_of_assumed_values(tmp_path: Path) -> None:
     sheet, path = sheet_of(SHEET), tmp_path / "vehicle.html"
     distances = 100.0 + np.arange(16.0).reshape(len(SPEEDS), len(RAILS))
-    write_page(VehicleCheck(sheet, axle_loads(sheet), None, None, distances), path, b"")
+    write_page(VehicleCheck(sheet, axle_loads(sheet), None, None, distances), path, [b""])
     shown = path.read_text(encoding="utf-8")
     lead = shown[: shown.index("<img")]
     assert "<p>For the author of the vehicle file, before its FMU is used or handed on. Simulated" in lead

@@ -118,7 +118,7 @@ def test_a_twist_goes_into_springs_a_ninth_into_the_track_and_next_to_nothing_in
     springs = 2 * transition.BOGIE.vertical_stiffness * transition.BOGIE.vertical_half_spacing**2
     rails = 2 * transition.TRACK.track_vertical_stiffness * transition.SPACING**2
     assert transition.roll_stiffness() / springs == pytest.approx(1 / (1 + springs / rails), rel=0.005)
-    assert 0.87 < transition.FELT < 0.9
+    assert 0.87 < transition.felt() < 0.9
 
 
 @pytest.mark.parametrize("level", [1, 2, 3])

@@ -3,16 +3,18 @@
 `python -m rbd_model.contact.creep.exact_table` computes it again, in some two hours.
 """
 
+from __future__ import annotations
+
 import math
 import zlib
 from functools import lru_cache
 from pathlib import Path
 from zipfile import BadZipFile
 
-import casadi as ca
 import numpy as np
 from tqdm import tqdm
 
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.exact import HalfSpace, StickAndSlip, exact, half_space
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 from rbd_model.contact.creep.tabulated import INFINITE, CreepTable, axes, continued, patch_at, tabulated

@@ -4,11 +4,12 @@ M. Sh. Sichani, R. Enblom, M. Berg (2016), An alternative to FASTSIM for tangent
 Vehicle System Dynamics 54, 748-764.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import replace
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.fastsim import STRESS_FLOOR, Rigid, cells, flexibilities, march, rigid_slip
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 from rbd_model.contact.creep.strip_theory import adhesion, adhesive_force, adhesive_slip, strips

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 
 #: Smallest stress that is distinguished from 0, over the bound in the middle of the strip.
@@ -142,7 +142,7 @@ def fastsim(count: int) -> CreepLaw:
 
 #: Function of y/b of a strip and its half length over a: stresses (p_x, p_y) in its cells, over the bound in its
 #: middle.
-Marched = Callable[[float, float], list[tuple[ca.SX, ca.SX]]]
+Marched = Callable[[float, float], "list[tuple[ca.SX, ca.SX]]"]
 
 
 def summed(grid: StripCells, limit: ca.SX, marched: Marched) -> tuple[ca.SX, ca.SX]:
@@ -156,7 +156,7 @@ def summed(grid: StripCells, limit: ca.SX, marched: Marched) -> tuple[ca.SX, ca.
 
 
 #: Function of y/b and x/a: remaining share of the friction in a cell.
-Left = Callable[[float, float], ca.SX | float]
+Left = Callable[[float, float], "ca.SX | float"]
 
 
 def march(

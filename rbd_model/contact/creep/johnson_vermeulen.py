@@ -1,7 +1,8 @@
 """Vermeulen and Johnson (1964): creepage without spin, with an ellipse of adhesion within the ellipse of contact."""
 
-import casadi as ca
+from __future__ import annotations
 
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.shen_hedrick_elkins import FORCE_FLOOR, saturated_share
 from rbd_model.contact.hertz import POISSON_RATIO, elliptic_integrals

@@ -1,13 +1,15 @@
 """Kalker's creepage and spin coefficients of a contact ellipse, the linear limit of every creep law."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import lru_cache
 from numbers import Real
 
-import casadi as ca
 import numpy as np
 
+from fmu_src.symbols import ca
 from rbd_model.contact.hertz import LONGEST, POISSON_RATIO, going_on, polynomial
 from readers.text import shown
 

@@ -1,7 +1,8 @@
 """Kalker's linear theory (1967): the forces of small creepages, without saturation."""
 
-import casadi as ca
+from __future__ import annotations
 
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.law import ContactPatch
 
 

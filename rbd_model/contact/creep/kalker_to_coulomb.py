@@ -1,9 +1,10 @@
 """The default law of elastic patches: from Kalker's forces to friction against a sliding about a displaced pole."""
 
+from __future__ import annotations
+
 import math
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.law import ContactPatch, Reduction
 from rbd_model.contact.creep.shen_hedrick_elkins import saturated_share
 

@@ -4,12 +4,13 @@ Each law is one file of this folder. A law of the user is one function, given to
 flange.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import casadi as ca
-
 from fmu_src.chain import Chain
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.kalker import Kalker
 from rbd_model.contact.hertz import POISSON_RATIO
 
@@ -63,7 +64,7 @@ class ContactPatch:
 
 #: Creep forces (F_x, F_y) [N] on the wheel of a patch. For small creepages they are those of Kalker, F_x = -G a b c11
 #: xi_x and F_y = -G a b c22 xi_y - G (a b)^1.5 c23 xi_s. For large ones their size is friction times load.
-CreepLaw = Callable[[ContactPatch], tuple[ca.SX, ca.SX]]
+CreepLaw = Callable[[ContactPatch], "tuple[ca.SX, ca.SX]"]
 
 
 #: Load for trial steps that would compute the contact of an unloaded wheel [N]; a run ends before (wheel lift).

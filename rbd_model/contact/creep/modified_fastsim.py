@@ -4,10 +4,11 @@ M. Spiryagin, O. Polach, C. Cole (2013), Creep force modelling for rail traction
 algorithm, Vehicle System Dynamics 51, 1765-1783.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.fastsim import cells, march, rigid_slip, summed
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 

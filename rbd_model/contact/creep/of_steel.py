@@ -1,9 +1,10 @@
 """Creep laws for a Poisson's ratio other than the default."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.kalker import checked_ratio, smooth_kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 from rbd_model.contact.hertz import POISSON_RATIO

@@ -1,7 +1,8 @@
 """Polach's creep forces (1999), the default: fast, and with spin, eqs (3.92)-(3.105)."""
 
-import casadi as ca
+from __future__ import annotations
 
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.law import CLEAN, ContactPatch, Reduction
 
 

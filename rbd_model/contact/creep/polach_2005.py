@@ -1,9 +1,10 @@
 """Polach's creep forces (2005): contaminated surfaces, and friction that falls with the sliding of the patch."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
 

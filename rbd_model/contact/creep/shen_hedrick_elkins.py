@@ -1,7 +1,8 @@
 """Shen, Hedrick and Elkins (1983): Kalker's linear forces, saturated together by a cubic."""
 
-import casadi as ca
+from __future__ import annotations
 
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.kalker_linear import kalker_linear
 from rbd_model.contact.creep.law import ContactPatch
 

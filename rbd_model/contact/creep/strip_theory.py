@@ -5,14 +5,16 @@ to Kalker's coefficients as in FaStrip. The elliptic bound follows behind it, in
 equation.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.fastsim import Rigid, flexibilities, rigid_slip
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 

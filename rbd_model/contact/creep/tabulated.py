@@ -4,16 +4,18 @@ By similarity the forces of an elliptical patch over mu N follow from four numbe
 `Measures`, with a/b for one of the two of spin.
 """
 
+from __future__ import annotations
+
 import hashlib
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import casadi as ca
 import numpy as np
 from scipy.linalg import solve_banded
 
 from fmu_src.chain import Part, part_in_c
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 from readers.columns import Column, TableError

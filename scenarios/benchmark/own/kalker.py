@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import casadi as ca
-
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.kalker import kalker_coefficients
 
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
-import casadi as ca
 import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
+from fmu_src.symbols import ca
 from rbd_model.contact.creep.exact import HalfSpace, exact, half_space
 from rbd_model.contact.creep.fastsim import fastsim
 from rbd_model.contact.creep.kalker import kalker_coefficients

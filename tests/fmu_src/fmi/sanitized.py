@@ -12,7 +12,7 @@ from fmu_src import compile as compiling
 from fmu_src.codegen import RUNTIME, RUNTIME_SOURCES
 
 SANITIZERS = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-HEADERS = [f"-I{RUNTIME}", f"-I{compiling.FMI_HEADERS}"]
+HEADERS = [f"-I{RUNTIME}", f"-I{compiling.fmi_headers()}"]
 
 
 def runtime() -> dict[str, str]:

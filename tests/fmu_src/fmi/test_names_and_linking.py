@@ -110,7 +110,7 @@ def ask(host: Path, names: Mapping[str, str | Path], models: Mapping[str, Model]
 def opened(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     """Return hosts that open libraries with global symbols, as hosts in Java do, by version of FMI."""
     folder = tmp_path_factory.mktemp("opened")
-    flags = ["-Wall", "-Wextra", "-Werror", f"-I{compiling.FMI_HEADERS}", HERE / "together.c", "-ldl"]
+    flags = ["-Wall", "-Wextra", "-Werror", f"-I{compiling.fmi_headers()}", HERE / "together.c", "-ldl"]
     for version in (2, 3):
         build(["-O1", f"-DVERSION={version}", *flags, "-o", f"host{version}"], folder)
     return {version: folder / f"host{version}" for version in (2, 3)}
@@ -161,7 +161,7 @@ def linked(folders: Mapping[str, Path], models: Mapping[str, Model], version: in
         build([*common, f"-DVERSION={version}", f"-DTABLE={model}", HERE / "table.c", "-o", f"{name}t.o"], folder)
         objects += [f"{name}.o", f"{name}t.o"]
     tables = " ".join(f"DO({models[name].name})" for name in folders)
-    flags = ["-O1", f"-DVERSION={version}", f"-DLINKED(DO)={tables}", f"-I{compiling.FMI_HEADERS}"]
+    flags = ["-O1", f"-DVERSION={version}", f"-DLINKED(DO)={tables}", f"-I{compiling.fmi_headers()}"]
     build([*flags, HERE / "together.c", *objects, "-ldl", "-lm", "-o", "together"], folder)
     return folder / "together"
 

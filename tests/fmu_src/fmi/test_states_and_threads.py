@@ -193,7 +193,7 @@ def library_in(fmu: Path, folder: Path) -> Path:
 def test_archive_runs_without_python(fmus: dict, tmp_path: Path) -> None:
     """A C program loads the binary of the archive, brakes to a stop and frees 1000 instances."""
     host = tmp_path / "host"
-    command = [*compiling.compiler(), "-O1", "-Wall", "-Wextra", "-Werror", f"-I{compiling.FMI_HEADERS}", str(HOST)]
+    command = [*compiling.compiler(), "-O1", "-Wall", "-Wextra", "-Werror", f"-I{compiling.fmi_headers()}", str(HOST)]
     subprocess.run([*command, "-o", str(host), "-ldl", "-lm"], check=True)
     library = library_in(fmus["bogie", "native"], tmp_path)
     with zipfile.ZipFile(fmus["bogie", "native"]) as archive:

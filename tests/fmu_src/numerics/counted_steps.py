@@ -61,7 +61,7 @@ def make_steps(fmu: Path, stop: DryStop, counted: bool = False, guard: str | Non
         library = unpacked / f"binaries/linux64/{about.coSimulation.modelIdentifier}.so"
         (folder / "plan").write_text(plan_of(fmu, unpacked, stop))
         shutil.copy(Path(__file__).with_name("counting_host.c"), folder)
-        headers = [f"-I{compiling.RUNTIME}", f"-I{compiling.FMI_HEADERS}"]
+        headers = [f"-I{compiling.RUNTIME}", f"-I{compiling.fmi_headers()}"]
         compiling.run(
             ["-O1", "-rdynamic", *headers, "-o", "host", "counting_host.c", "-ldl", "-lpthread"], None, folder
         )
