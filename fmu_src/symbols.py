@@ -19,7 +19,7 @@ IN_NUMPY = {
 }
 #: A symbol, or the number or array whose value an equation returns.
 Term = Any
-NUMBERS = (float, int, np.number, np.ndarray)
+NUMBERS = (float, int, np.generic, np.ndarray)
 
 
 class _Symbols(OptionalModule):

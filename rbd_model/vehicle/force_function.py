@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from fmu_src.symbols import ca
 from rbd_model.vehicle.scales import BEYOND, BEYOND_RATE
 
 #: Travels and rates of the check, as shares of the largest, in both senses.
@@ -30,8 +31,6 @@ class ForceFunction:
     @classmethod
     def of(cls, force: Callable[..., Any], count: int) -> ForceFunction:
         """Return a user's function with `count` further numbers. Raises ValueError if it returns no expression."""
-        import casadi as ca  # vehicles without functions need none
-
         symbols = [ca.SX.sym(name) for name in ("travel", "rate", *(f"size_{number}" for number in range(count)))]
         try:
             result = ca.SX(force(*symbols))
@@ -49,8 +48,6 @@ class ForceFunction:
 
     def __call__(self, travel: Any, rate: Any, *sizes: Any) -> Any:
         """Return the force [N] of numbers or symbols."""
-        import casadi as ca
-
         return ca.Function.deserialize(self.text)(travel, rate, *sizes)
 
 
@@ -60,8 +57,6 @@ def function_fault(force: ForceFunction, sizes: tuple[float, ...]) -> str:
 
     It must be finite, with finite slopes, without jumps and 0 at rest, and its part by the rate must take power.
     """
-    import casadi as ca
-
     x, v = ca.SX.sym("x"), ca.SX.sym("v")
     value = force(x, v, *sizes)
     both = ca.Function("both", [x, v], [ca.horzcat(value, ca.jacobian(value, ca.vertcat(x, v)))])
