@@ -14,6 +14,7 @@ from readers.text import BadInputError
 
 #: Extra of each optional package, and the words of its message.
 EXTRAS = {
+    "asammdf": ("formats", "an MDF file needs asammdf"),
     "casadi": ("build", "new equations need CasADi"),
     "cma": ("gym", "the search needs cma"),
     "distributed": ("sweep", "--scheduler needs Dask"),
@@ -21,7 +22,8 @@ EXTRAS = {
     "gymnasium": ("gym", "environments need gymnasium"),
     "matplotlib": ("plots", "figures need Matplotlib"),
     "plotly": ("pages", "a page of results needs Plotly"),
-    "pyarrow": ("sweep", "a .parquet needs pyarrow"),
+    "h5py": ("formats", "an HDF5 file, and a .mat of MATLAB 7.3, need h5py"),
+    "pyarrow": ("formats", "a .parquet needs pyarrow"),
     "pythonfmu": ("pythonfmu", "the kind python needs pythonfmu"),
     "ziglang": ("compiler", "a computer without a C compiler needs zig"),
 }

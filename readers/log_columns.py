@@ -39,12 +39,16 @@ ColumnMap = Mapping[str, Any] | str | Path
 
 @dataclass(frozen=True)
 class Head:
-    """A cell of the row of names: its place, its text, and name and unit in it; unit "": none."""
+    """A cell of the row of names: its place, its text, and name and unit in it; unit "": none.
+
+    base: groups of the file around its column, and number of its rows. Each base has a time of its own.
+    """
 
     at: int
     cell: str
     name: str
     unit: str
+    base: tuple[tuple[str, ...], int] = ((), 0)
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,19 @@ class LogColumn:
     diameter: float | None = None
     missing: tuple[float, ...] = ()
     guessed: bool = False
+
+    @property
+    def slot(self) -> object:
+        """What one column alone may be: a variable, or the time of a base."""
+        return (self.variable, self.head.base) if self.variable == "time" else self.variable
+
+
+def time_of(head: Head, columns: Sequence[LogColumn]) -> LogColumn | None:
+    """Return the time of a column: that of its base, or of the nearest group around it with as many rows."""
+    times = {column.head.base: column for column in columns if column.variable == "time"}
+    path, size = head.base
+    bases = ((path[:count], size) for count in range(len(path), -1, -1))
+    return next((times[base] for base in bases if base in times), None)
 
 
 def head_of(at: int, cell: str) -> Head:
@@ -112,13 +129,19 @@ class Naming:
         """Return the used columns, and the places of those that the map leaves out. Raises TableError."""
         mapped, out = self._mapped(heads, columns)
         taken = {one.head.at for one in mapped} | out
-        own = {one.variable for one in mapped}
-        exact = [one for head in heads if head.at not in taken for one in self._exact(head) if one.variable not in own]
+        own = {one.slot for one in mapped}
+        exact = [one for head in heads if head.at not in taken for one in self._exact(head) if one.slot not in own]
         self._check_once(exact)
         taken |= {one.head.at for one in exact}
-        own |= {one.variable for one in exact}
+        own |= {one.slot for one in exact}
         rest = {name: unit for name, unit in self.variables.items() if name not in own}
-        guessed = [one for head in heads if head.at not in taken for one in self._guessed(head, rest)]
+        timed = {name: unit for name, unit in rest.items() if name != "time"}
+        guessed = [
+            one
+            for head in heads
+            if head.at not in taken
+            for one in self._guessed(head, timed if ("time", head.base) in own else rest)
+        ]
         self._check_once(guessed)
         return sorted([*mapped, *exact, *guessed], key=lambda one: one.head.at), out
 
@@ -137,10 +160,10 @@ class Naming:
                 out.add(head.at)
             else:
                 found += _rule(source, str(key), value, head, None if self.free else self.variables)
-        names = [one.variable for one in found]
-        for name in names:
-            if names.count(name) > 1:
-                raise TableError(f"{source}: {name} must be named once; it is named {names.count(name)} times.")
+        slots = [one.slot for one in found]
+        for one in found:
+            if (times := slots.count(one.slot)) > 1:
+                raise TableError(f"{source}: {one.variable} must be named once; it is named {times} times.")
         return found, out
 
     def _head_named(self, heads: Sequence[Head], key: object, source: str) -> Head:
@@ -202,7 +225,7 @@ class Naming:
 
     def _check_once(self, found: Sequence[LogColumn]) -> None:
         for one in found:
-            same = [other.head.cell for other in found if other.variable == one.variable]
+            same = [other.head.cell for other in found if other.slot == one.slot]
             if len(same) > 1 and not one.guessed:
                 raise TableError(
                     f"{self.place}: the column {shown(one.variable)} must be there once; it is there twice. Remove one."

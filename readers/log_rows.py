@@ -66,6 +66,11 @@ class Log:
 
 
 def in_order(log: Log) -> Log:
+    """Return the log in the order of time (`ordered`), with its speeds checked (`check_speeds`). Raises TableError."""
+    return check_speeds(ordered(log))
+
+
+def ordered(log: Log) -> Log:
     """Return the log without rows that have no time or repeat the row before, with messages on gaps and missing values.
 
     Rows of one time with other values are an event of a simulation (super-dense time, FMI 2.0, section 3.1): the first
@@ -89,8 +94,7 @@ def in_order(log: Log) -> Log:
     if time.size < 2:
         raise TableError(f"{log.source} must have at least 2 rows of values; it has {time.size}. Add rows.")
     _check_growth(log, np.diff(time))
-    _check_speeds(log)
-    log.messages.extend([*_unlikely_speeds(log), *_gaps(log, np.diff(time))])
+    log.messages.extend(_gaps(log, np.diff(time)))
     return log
 
 
@@ -150,11 +154,14 @@ def _check_growth(log: Log, steps: NDArray[np.float64]) -> None:
     )
 
 
-def _check_speeds(log: Log) -> None:
-    """Check that no wheel turns as if its speed or the vehicle's were in another unit."""
+def check_speeds(log: Log) -> Log:
+    """Return the log, with a message if its speeds are unlikely.
+
+    Raises TableError if a wheel turns as if its speed or the vehicle's were in another unit.
+    """
     wheels = [name for name in log.numbers if name.startswith("wheel_speed_")] if "speed" in log.numbers else []
     for name in wheels:
-        wheel, speed = log.numbers[name], log.numbers["speed"]
+        wheel, speed = log.numbers[name], _continued(log.numbers["time"], log.numbers["speed"])
         moves = (wheel > MOVES) & (speed > MOVES)
         ratio = float(np.median(wheel[moves] / speed[moves])) if np.any(moves) else 1.0
         for unit in (one for one, size in WRONG.items() if abs(ratio / size - 1.0) < NEAR):
@@ -162,6 +169,14 @@ def _check_speeds(log: Log) -> None:
                 f"{log.source}: {name} must be near speed; got {ratio:.3g} times as much in the median, as if {unit}. "
                 "Name the units, as in speed [km/h]."
             )
+    log.messages.extend(_unlikely_speeds(log))
+    return log
+
+
+def _continued(time: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return values with those of lines between them where there are none."""
+    there = np.isfinite(values)
+    return np.interp(time, time[there], values[there]) if np.any(there) else values
 
 
 def _unlikely_speeds(log: Log) -> list[str]:

@@ -1,4 +1,5 @@
-"""Times of a log: numbers in a unit, seconds since 1970, dates with times (ISO 8601), and times of day.
+"""Times of a log: numbers in a unit, seconds since 1970, dates with times (ISO 8601), and times of day; as text, or as
+arrays of numbers, dates or durations.
 
 Clocks are counted from the first row, in whole nanoseconds, so that a log gives the same times to rounding whatever its
 clock. As numbers of 64 bits, seconds since 1970 would be rounded to 0.24 us.
@@ -13,6 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +32,7 @@ NANOSECONDS = 1_000_000_000
 #: A time of day that falls by more than this passed midnight [ns].
 HALF_DAY = 43_200 * NANOSECONDS
 DAY = 86_400 * NANOSECONDS
+FIRST_DAY = datetime.date(1970, 1, 1).toordinal()
 CLOCK = r"(?P<hour>\d{1,2}):(?P<minute>\d\d):(?P<second>\d\d)([.,](?P<fraction>\d{1,9})\d*)?"
 ZONE = r"\s*(?P<zone>Z|z|[+-]\d\d:?\d\d)?"
 ISO = re.compile(rf"(?P<year>\d{{4}})-(?P<month>\d\d)-(?P<day>\d\d)[Tt ]+{CLOCK}{ZONE}", re.ASCII)
@@ -39,16 +42,24 @@ FORMS = "Write seconds, 2026-05-01T12:00:00.5 or 12:00:00.5."
 #: Numbers of days by which spreadsheets write the dates from 2000 to 2050. A log that begins there is refused if it is
 #: shorter than ONE_DAY.
 DATES, ONE_DAY = (36_526.0, 55_153.0), 1.0
+#: The same days as MATLAB counts them.
+MATLAB_DATES = (730_486.0, 749_113.0)
 #: Shortest median step of times without a unit. Days at 1 Hz have 1.2e-5.
 SHORTEST = 2e-5
 
 
 @dataclass(frozen=True)
 class Times:
-    """Times of rows [s]; a row without one has NaN. clock: what they are counted from; "" for numbers as they are."""
+    """Times of rows [s]; a row without one has NaN. clock: what they are counted from; "" for numbers as they are.
+
+    begin: the time of the clock from which they are counted, since 1970 or midnight [ns]. has_unit: the numbers are
+    durations.
+    """
 
     seconds: NDArray[np.float64]
     clock: str = ""
+    begin: int = 0
+    has_unit: bool = False
 
 
 def times_of(cells: Sequence[str], unit: str, numbers: Callable[[], NDArray[np.float64]], place: TimesPlace) -> Times:
@@ -88,7 +99,8 @@ def _plain(seconds: NDArray[np.float64], unit: str, place: TimesPlace) -> Times:
     steps = np.diff(seconds[there])
     if not unit and steps.size and np.all(steps >= 0.0):
         first, step = float(seconds[there[0]]), float(np.median(steps[steps > 0.0])) if np.any(steps > 0.0) else 1.0
-        if step < SHORTEST or (DATES[0] <= first <= DATES[1] and np.sum(steps) < ONE_DAY):
+        is_date = any(low <= first <= high for low, high in (DATES, MATLAB_DATES))
+        if step < SHORTEST or (is_date and np.sum(steps) < ONE_DAY):
             raise place.refusal(
                 int(there[0]),
                 f"times without a unit must not be days, as spreadsheets write them; got {first:.10g} with steps of "
@@ -143,7 +155,7 @@ def _dated(form: re.Pattern[str], zoned: bool, cell: str) -> int | None:
     offset = 0
     if zone != "Z":
         offset = (int(zone[1:3]) * 60 + int(zone[-2:])) * 60 * NANOSECONDS * (-1 if zone[0] == "-" else 1)
-    return None if clock is None else day * DAY + clock - offset
+    return None if clock is None else (day - FIRST_DAY) * DAY + clock - offset
 
 
 def _counted(
@@ -163,4 +175,26 @@ def _counted(
             days += DAY
         begin, before = at if begin is None else begin, at
         found[row] = (at + days - begin) / NANOSECONDS
-    return Times(found, next((cell for cell in cells if cell), ""))
+    return Times(found, next((cell for cell in cells if cell), ""), begin or 0)
+
+
+def times_of_array(
+    values: NDArray[Any], unit: str, converted: Callable[[NDArray[np.float64]], NDArray[np.float64]], place: TimesPlace
+) -> Times:
+    """Return the times of an array of numbers, dates (datetime64) or durations (timedelta64).
+
+    converted: the seconds of numbers in the unit of the file.
+    """
+    if values.dtype.kind == "m":
+        return Times(values / np.timedelta64(1, "s"), has_unit=True)
+    there = np.flatnonzero(~np.isnat(values)) if values.dtype.kind == "M" else np.flatnonzero(np.isfinite(values))
+    if not there.size:
+        return Times(np.full(values.size, math.nan))
+    first = values[there[0]]
+    if values.dtype.kind == "M":
+        begin = int(first.astype("datetime64[ns]").astype(np.int64))
+        return Times((values - first) / np.timedelta64(1, "s"), str(first), begin)
+    if scale := _since_1970(repr(first.item()), unit):
+        steps = (values - first) if values.dtype.kind == "f" else values.astype(np.int64) - np.int64(first)
+        return Times(steps.astype(float) * scale / NANOSECONDS, str(first), round(first.item() * scale))
+    return _plain(converted(values.astype(float)), unit, place)

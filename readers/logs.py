@@ -1,44 +1,74 @@
 """Logs of users: one reader for fits, replays and scenarios.
 
-A log is a table (`readers/tables.py`) as a logger writes it. Its columns get names of variables by a map, or by names
-and units that loggers use (`log_columns.py`); times may be those of a clock (`log_times.py`). Text, empty columns
-and columns of other names are left out. Empty cells, `NaN` and numbers such as -999 that stand for a missing value are
-NaN. A message tells each guess, each conversion that is not plain, and all that is left out.
+A log is a table as a logger writes it: text (`log_text.py`), or a binary file (`log_arrays.py`, `formats/logs.py`). Its
+columns get names of variables by a map, or by names and units that loggers use (`log_columns.py`); times may be those
+of a clock (`log_times.py`). Text, empty columns and columns of other names are left out. Empty cells, `NaN` and numbers
+such as -999 that stand for a missing value are NaN. A message tells each guess, each conversion that is not plain, and
+all that is left out.
 """
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError, unit_factor
-from readers.decimal_numbers import is_decimal
-from readers.log_columns import ColumnMap, Head, LogColumn, Naming, factor_of, head_of
+from readers.columns import Column, Place, TableError, unit_factor
+from readers.formats.logs import opened_log
+from readers.log_columns import ColumnMap, Head, LogColumn, Naming, factor_of, time_of
+from readers.log_joined import joined
 from readers.log_rows import Log, count_of, in_order
-from readers.log_times import Times, TimesPlace, times_of
-from readers.log_words import unit_like
-from readers.tables import Begin, TableRows, begin_of
-from readers.text import quoted, text_of
+from readers.log_times import Times
+from readers.text import quoted, shown
 
-#: Words of a cell that stand for a missing value, in small letters.
-MISSING = {"", "nan", "n/a", "na", "#n/a", "#nv", "null", "none", "nil", "-", "--", "---", "?"}
 #: Numbers that stand for a missing value where they are far from all others.
 SENTINELS = (-999.0, 999.0, -9999.0, 9999.0, -99999.0, 99999.0, -32768.0, 32767.0, 65535.0)
 #: Their least distance from the other values, in spans of these.
 FAR = 1.0
 #: Fewest other values by which a positive number is found to stand for a missing one.
 MANY = 10
-#: Rows by which columns of text are found.
-SAMPLE = 200
-MOST_ROWS = 4_000_000
-#: Minutes and seconds of a clock; a decimal mark and digits may follow.
-CLOCK_DIGITS = r":\d\d:\d\d"
+
+
+class LogRows(Protocol):
+    """Rows of a log on one time, as a format has them."""
+
+    @property
+    def columns(self) -> Sequence[LogColumn]:
+        """The columns that are used."""
+
+    @property
+    def places(self) -> NDArray[np.int64]:
+        """Number of each row, for messages."""
+
+    def times(self, column: LogColumn, factor: Callable[[], tuple[float, float]]) -> Times:
+        """Return the times of a column; factor: from its unit to s, for numbers."""
+
+    def numbers(self, column: LogColumn, unit: str) -> NDArray[np.float64]:
+        """Return the numbers of a column in the unit of the file; unit: of the variable, for messages."""
+
+    def check(self) -> None:
+        """Check, after all numbers were read, that they have one reading."""
+
+
+class LogSource(Protocol):
+    """A log as a format has it.
+
+    place: file and row of the names, for messages; unusable: columns without numbers, each with the reason.
+    """
+
+    source: str
+    place: str
+    heads: list[Head]
+    unusable: dict[int, str]
+
+    def bases(self, columns: Sequence[LogColumn]) -> Sequence[LogRows]:
+        """Return the rows of each time with columns that are used."""
 
 
 def read_log(
@@ -53,79 +83,48 @@ def read_log(
 
     Takes variables [s].
     """
-    source, variables = str(path), {"time": "s"} | dict(variables)
-    heads, begin, names_at = _heads(begin_of(text_of(path), source), by_position)
-    place = f"{source}, row {names_at}"
-    texts = _texts(heads, begin)
-    naming = Naming(place, variables, texts, others)
-    found, out = naming.found(heads, columns)
+    with opened_log(Path(path), by_position) as source:
+        return log_of(source, {"time": "s"} | dict(variables), columns, others, by_position)
+
+
+def log_of(
+    source: LogSource,
+    variables: Mapping[str, str],
+    columns: ColumnMap | None,
+    others: bool,
+    by_position: Sequence[str] = (),
+) -> Log:
+    """Return the log of a source, as `read_log` does."""
+    heads, unusable, place = source.heads, source.unusable, source.place
+    found, out = Naming(place, variables, unusable, others).found(heads, columns)
     if not found and len(heads) == len(by_position):
         found = [LogColumn(head, name, head.unit) for head, name in zip(heads, by_position, strict=True)]
     if not any(one.variable == "time" for one in found):
-        there = quoted(", ".join(one.cell for one in heads), 200)
+        there = quoted(", ".join(_told(head, unusable) for head in heads), 200)
         raise TableError(f"{place}: the column time is missing; there are {there}. Add it, or name it in a map.")
     used = {one.head.at for one in found}
     if others:
-        rest = [head for head in heads if head.at not in used | out | set(texts)]
-        found += [LogColumn(head, head.name, head.unit or "1") for head in rest]
+        rest = [head for head in heads if head.at not in used | out | set(unusable) and time_of(head, found)]
+        found += _unnamed(rest, found, place)
         used |= {head.at for head in rest}
-    messages = [*_guesses(source, found, variables), *_left_out(source, heads, used, out, texts)]
-    return in_order(_Reading(place, begin, variables, found).log(messages))
+    messages = [*_guesses(source.source, found, variables), *_left_out(source.source, heads, used, out, unusable)]
+    logs = [_Reading(place, rows, variables).log(source.source, messages) for rows in source.bases(found)]
+    return in_order(logs[0][0]) if len(logs) == 1 else joined(source.source, logs, messages)
 
 
-def _heads(begin: Begin, by_position: Sequence[str]) -> tuple[list[Head], Begin, int]:
-    """Return the names of the columns, the begin of the rows behind them, and their row. Raises TableError."""
-    place = f"{begin.source}, row {begin.at}"
-    if not all(is_decimal(cell) for cell in begin.cells if cell):
-        begin = _without_title(begin)
-        heads = [head_of(at, cell) for at, cell in enumerate(begin.cells) if cell]
-        return *_with_units(heads, begin), begin.at
-    if not by_position:
-        got = quoted(begin.cells[0])
-        raise TableError(f"{place}: the first row must have names; got {got}. Add them, as in time [s], speed [m/s].")
-    if len(begin.cells) != len(by_position):
-        need = f"{len(by_position)} values ({', '.join(by_position)})"
-        raise TableError(f"{place}: a row must have {need}; got {len(begin.cells)}. Correct the row.")
-    heads = [Head(at, name, name, "") for at, name in enumerate(by_position)]
-    return heads, Begin(begin.source, begin.lines, begin.separator, begin.at - 1, list(by_position)), begin.at
+def _told(head: Head, unusable: Mapping[int, str]) -> str:
+    """Return the name of a column, with the reason if it is of no use."""
+    return f"{head.cell} ({unusable[head.at]})" if head.at in unusable else head.cell
 
 
-def _without_title(begin: Begin) -> Begin:
-    """Return the begin of the table after rows with a single cell, such as a title; as it is if there are others."""
-    found = begin
-    while len(found.cells) == 1:
-        try:
-            found = begin_of("\n" * found.at + "\n".join(found.lines[found.at :]), begin.source)
-        except TableError:
-            return begin
-        if all(is_decimal(cell) for cell in found.cells if cell):
-            return begin
-    return found
-
-
-def _with_units(heads: list[Head], begin: Begin) -> tuple[list[Head], Begin]:
-    """Return the heads with the units of the row after the names, if that row has units alone, and the rest."""
-    at, cells = next(begin.rows_behind(), (0, []))
-    units = {place: cell.strip("[]()") for place, cell in enumerate(cells) if cell}
-    words = {"-", "1", "text", "iso", "utc"}
-    known = [unit for unit in units.values() if unit_like(unit) or unit.lower() in words]
-    if not at or len(known) < len(units) or not any(unit_like(one) and not is_decimal(one) for one in known):
-        return heads, begin
-    named = [
-        Head(head.at, head.cell, head.name, head.unit or unit_like(units.get(head.at, "")) or "") for head in heads
-    ]
-    return named, Begin(begin.source, begin.lines, begin.separator, at, begin.cells)
-
-
-def _texts(heads: Sequence[Head], begin: Begin) -> dict[int, str]:
-    """Return the places of columns that hold text or nothing in the first rows, each with this word."""
-    rows = [cells for (_, cells), _ in zip(begin.rows_behind(), range(SAMPLE), strict=False)]
-    found = {}
-    for head in heads:
-        cells = [row[head.at] for row in rows if head.at < len(row) and row[head.at].casefold() not in MISSING]
-        if rows and not any(is_decimal(cell) for cell in cells):
-            found[head.at] = "text" if cells else "no values"
-    return found
+def _unnamed(rest: Sequence[Head], found: Sequence[LogColumn], place: str) -> list[LogColumn]:
+    """Return columns that keep their names, with those of their groups where a name is repeated. Raises TableError."""
+    taken = [one.variable for one in found] + [head.name for head in rest]
+    names = [head.cell if taken.count(head.name) > 1 else head.name for head in rest]
+    for name in names:
+        if taken.count(name) > 1 or names.count(name) > 1:
+            raise TableError(f"{place}: the column {shown(name)} must be there once; it is there twice. Remove one.")
+    return [LogColumn(head, name, head.unit or "1") for head, name in zip(rest, names, strict=True)]
 
 
 def _guesses(source: str, found: Sequence[LogColumn], variables: Mapping[str, str]) -> list[str]:
@@ -152,93 +151,52 @@ def _left_out(source: str, heads: Sequence[Head], used: set[int], out: set[int],
 
 @dataclass(frozen=True)
 class _Reading:
-    """Reads the values of the columns that are used."""
+    """Reads the values of the columns of one base."""
 
     place: str
-    begin: Begin
+    rows: LogRows
     variables: Mapping[str, str]
-    found: Sequence[LogColumn]
 
-    def log(self, messages: list[str]) -> Log:
-        """Return the log. Raises TableError."""
-        width = len(self.begin.cells)
-        nameless = {at for at, cell in enumerate(self.begin.cells) if at and not cell}  # the first may number the rows
-        places: list[int] = []
-        cells: list[list[str]] = [[] for _ in self.found]
-        for number, row in self.begin.rows_behind():
-            extra = next((at for at, cell in enumerate(row) if cell and at in nameless), None)
-            if extra is not None or any(row[width:]):
-                at = width + [bool(cell) for cell in row[width:]].index(True) if extra is None else extra
-                body = TableRows(self.begin.source, self.begin.separator, MOST_ROWS)
-                raise body.nameless(number, at, row[at], width - len(nameless))
-            if len(places) == MOST_ROWS:
-                raise TableError(f"{self.begin.source} must have at most {MOST_ROWS} rows; it has more. Split it.")
-            places.append(number)
-            for one, column in zip(self.found, cells, strict=True):
-                cell = row[one.head.at] if one.head.at < len(row) else ""
-                column.append("" if cell.casefold() in MISSING else cell)
-        rows, mark = np.array(places, np.int64), DecimalMark(self.begin.source)
+    def log(self, source: str, messages: list[str]) -> tuple[Log, Times]:
+        """Return the log and its times. Raises TableError."""
         numbers, units = {}, {}
-        for one, column in zip(self.found, cells, strict=True):
-            unit = self.variables.get(one.variable, one.unit or "1")
-            read = self._times if one.variable == "time" else self._values
-            numbers[one.variable] = read(one, unit, column, rows, mark, messages)
-            units[one.variable] = unit
-        mark.decimal = mark.decimal or self._has_decimal(mark)
-        mark.check_thousands(self.begin.separator)
+        times = Times(np.empty(0))
+        for one in self.rows.columns:
+            unit = units[one.variable] = self.variables.get(one.variable, one.unit or "1")
+            if one.variable == "time":
+                times = self.rows.times(one, partial(self._factor, one, unit))
+                numbers["time"] = times.seconds
+                messages += self._of_times(source, one, times)
+            else:
+                numbers[one.variable] = self._values(source, one, unit, messages)
+        self.rows.check()
         names = ["time", *(one for one in numbers if one != "time")]
         ordered = {name: numbers[name] for name in names}
-        return Log(self.begin.source, ordered, {name: units[name] for name in names}, rows, messages)
+        return Log(source, ordered, {name: units[name] for name in names}, self.rows.places, messages), times
 
-    def _has_decimal(self, mark: DecimalMark) -> bool:
-        """Return whether a cell of any column, such as a clock, has the mark of the numbers as a decimal one."""
-        sign = "," if "," in mark.shown else "."
-        cells = (cell for _, row in self.begin.rows_behind() for cell in row if sign in cell)
-        decimals = re.compile(rf"{CLOCK_DIGITS}{re.escape(sign)}\d")
-        return bool(mark.shown) and any(
-            decimals.search(cell) or (is_decimal(cell) and not THOUSANDS.fullmatch(cell)) for cell in cells
-        )
+    def _factor(self, found: LogColumn, unit: str) -> tuple[float, float]:
+        """Return the factor from the unit of the file to that of the variable. Raises TableError."""
+        return factor_of(found, unit, self.place) or unit_factor(_column(found, unit), found.unit, self.place)
 
-    def _cells(self, found: LogColumn, unit: str, rows: NDArray[np.int64]) -> Cells:
-        column = Column(found.variable, unit, filled=False)
-        both = factor_of(found, unit, self.place) or unit_factor(column, found.unit, self.place)
-        return Cells(self.begin.source, rows, Place(found.head.at, column, both))
+    def _of_times(self, source: str, one: LogColumn, times: Times) -> list[str]:
+        if times.clock:
+            return [f"{source}: time counts from the first row, {quoted(times.clock)}."]
+        return [] if one.unit or times.has_unit else [f"{source}: {quoted(one.head.cell)} has no unit; s is assumed."]
 
-    def _times(
-        self,
-        one: LogColumn,
-        unit: str,
-        cells: list[str],
-        rows: NDArray[np.int64],
-        mark: DecimalMark,
-        messages: list[str],
-    ) -> NDArray[np.float64]:
-        place = TimesPlace(self.begin.source, "time", rows)
-        found: Times = times_of(cells, one.unit, lambda: self._cells(one, unit, rows).numbers(cells, mark), place)
-        if not found.clock and not one.unit:
-            messages.append(f"{self.begin.source}: {quoted(one.head.cell)} has no unit; s is assumed.")
-        if found.clock:
-            messages.append(f"{self.begin.source}: time counts from the first row, {quoted(found.clock)}.")
-        return found.seconds
-
-    def _values(
-        self,
-        found: LogColumn,
-        unit: str,
-        cells: list[str],
-        rows: NDArray[np.int64],
-        mark: DecimalMark,
-        messages: list[str],
-    ) -> NDArray[np.float64]:
-        reader = self._cells(found, unit, rows)
-        raw = Cells(self.begin.source, rows, Place(found.head.at, reader.column)).numbers(cells, mark)
+    def _values(self, source: str, found: LogColumn, unit: str, messages: list[str]) -> NDArray[np.float64]:
+        place = Place(found.head.at, _column(found, unit), self._factor(found, unit))
+        raw = self.rows.numbers(found, unit)
         for value in (*found.missing, *_sentinels(raw)):
             where = raw == value
             if np.any(where):
                 raw[where] = math.nan
                 said = f"{quoted(found.head.cell)} is {value:g} in {count_of(np.sum(where))}, taken as no value"
-                messages.append(f"{self.begin.source}: {said}.")
-        return reader.place.converted(raw)
+                messages.append(f"{source}: {said}.")
+        return place.converted(raw)
+
+
+def _column(found: LogColumn, unit: str) -> Column:
+    return Column(found.variable, unit, filled=False)
 
 
 def _sentinels(values: NDArray[np.float64]) -> list[float]:

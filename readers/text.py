@@ -60,7 +60,7 @@ def text_of(path: str | Path, largest: int = LARGEST, *, unmarked: bool = False)
 
     Takes largest [bytes].
     """
-    data = _bytes_of(Path(path), largest)
+    data = first_bytes(Path(path), None, largest)
     mark, encoding = next(((mark, name) for mark, name in MARKS if data.startswith(mark)), (b"", "utf-8"))
     if unmarked and not mark and len(data) > 1 and data[:2].count(0) == 1:
         encoding = "utf-16-le" if data[1] == 0 else "utf-16-be"
@@ -74,11 +74,15 @@ def text_of(path: str | Path, largest: int = LARGEST, *, unmarked: bool = False)
     return text.removeprefix("\ufeff").rstrip("\x1a")
 
 
-def _bytes_of(path: Path, largest: int) -> bytes:
+def first_bytes(path: Path, count: int | None, largest: int = LARGEST) -> bytes:
+    """Return the first bytes of a file, or all of them. Raises FileError if it is none, or too large."""
     try:
         about = path.stat()
         regular, size = stat.S_ISREG(about.st_mode), about.st_size
-        data = path.read_bytes() if regular and size <= largest else b""
+        data = b""
+        if regular and size <= largest:
+            with path.open("rb") as file:
+                data = file.read(count)
     except FileNotFoundError:
         raise MissingFileError(f"The file {path} does not exist. Check the path.") from None
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the path

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,8 +11,8 @@ import numpy as np
 
 from fmu_src.suggestion import suggestion
 from readers.extras import named_extras
+from readers.formats.table_files import write_columns
 from readers.renamed import FormerNames
-from readers.storage import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -166,13 +165,15 @@ class Recording(FormerNames):
         charts[-1].set_xlabel(f"{first} [{self.units[first]}]")
         return figure
 
-    def write(self, path: str | Path) -> Path:
-        """Write the table to a file; a failed write leaves the file that was there.
+    def write(self, path: str | Path, metadata: Mapping[str, str] | None = None) -> Path:
+        """Write the table to a file that logs are read from; a failed write leaves the file that was there.
 
         Parameters
         ----------
         path : str or Path
-            .csv: ten digits, names with units in its head. .parquet: units as metadata of its columns.
+            Its end is .csv, .parquet, .mat (MATLAB), .mf4 (MDF) or .h5 (HDF5). All digits are kept.
+        metadata : mapping of str to str, optional
+            Texts about the table by name, such as its version: remarks in a CSV, metadata in other formats.
 
         Returns
         -------
@@ -181,20 +182,14 @@ class Recording(FormerNames):
 
         Raises
         ------
-        ValueError
-            If the name has another ending.
-        ImportError
-            If no package for Parquet is installed.
+        FileError
+            If the name has another end.
+        MissingExtraError
+            If the package of the format is not installed.
         StorageError
             If the file cannot be written.
         """
-        path = Path(path)
-        write = {".csv": self._write_csv, ".parquet": self._write_parquet}.get(path.suffix)
-        if write is None:
-            raise ValueError(f"{path.name} ends with {path.suffix or 'nothing'}; a table is a .csv or a .parquet.")
-        with whole_file(path) as partial:
-            write(partial)
-        return path
+        return write_columns(Path(path), self._columns, self.units, metadata)
 
     def to_pandas(self) -> Any:
         """Return a data frame.
@@ -216,18 +211,3 @@ class Recording(FormerNames):
         frame = pandas.DataFrame(self._columns)
         frame.attrs["units"] = dict(self.units)
         return frame
-
-    def _write_csv(self, path: Path) -> None:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow([f"{name} [{unit}]" for name, unit in self.units.items()])
-            for row in zip(*(self[name] for name in self.units), strict=True):
-                writer.writerow([f"{value:.10g}" for value in row])
-
-    def _write_parquet(self, path: Path) -> None:
-        with named_extras():
-            import pyarrow
-            import pyarrow.parquet
-        fields = [pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit}) for name, unit in self.units.items()]
-        table = pyarrow.Table.from_pydict(self._columns, schema=pyarrow.schema(fields))
-        pyarrow.parquet.write_table(table, path)

@@ -1,0 +1,99 @@
+"""Logs and tables in binary files: the reader and the writer of a format by the end of the file's name.
+
+A format is a module with `opened`, a context manager of a path that yields its `RawColumn`s, and `write`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from readers.extras import need
+from readers.log_arrays import ArrayLog, damaged
+from readers.log_text import TextLog
+from readers.text import FileError, first_bytes
+
+
+@dataclass(frozen=True)
+class LogFormat:
+    """A binary format: its name, the package that reads it, and the module here.
+
+    begins: the first bytes of every file; empty: they differ.
+    """
+
+    name: str
+    package: str
+    module: str
+    begins: bytes = b""
+
+    def load(self) -> Any:
+        """Return the module. Raises MissingExtraError."""
+        need(self.package)
+        return import_module(f"{__package__}.{self.module}")
+
+
+PARQUET = LogFormat("Parquet", "pyarrow", "parquet", b"PAR1")
+MATLAB = LogFormat("a MATLAB file", "scipy", "matlab")
+MATLAB_7_3 = LogFormat("a MATLAB file", "h5py", "hdf5", b"MATLAB 7.3")
+MDF = LogFormat("MDF", "asammdf", "mdf")
+HDF5 = LogFormat("HDF5", "h5py", "hdf5", b"\x89HDF\r\n\x1a\n")
+#: Formats by the end of a file's name.
+FORMATS = {
+    ".parquet": PARQUET,
+    ".pq": PARQUET,
+    ".mat": MATLAB,
+    ".mf4": MDF,
+    ".mdf": MDF,
+    ".dat": MDF,
+    ".h5": HDF5,
+    ".hdf5": HDF5,
+    ".hdf": HDF5,
+}
+#: Beginnings of MDF files, whole ones and those that a logger did not close.
+MDF_BEGINS = (b"MDF ", b"UnFinMF ")
+LONGEST_BEGIN = 16
+
+
+def format_of(path: Path) -> LogFormat | None:
+    """Return the binary format of a file by its name and its first bytes; None: it is text. Raises FileError."""
+    found = FORMATS.get(path.suffix.lower())
+    if found is None:
+        return None
+    begin = first_bytes(path, LONGEST_BEGIN)
+    if found is MDF and not begin.startswith(MDF_BEGINS):
+        if path.suffix.lower() == ".dat":
+            return None
+        raise _refused(path, found)
+    if found is MATLAB and begin.startswith(MATLAB_7_3.begins):
+        return MATLAB_7_3
+    if not begin.startswith(found.begins) or not begin:
+        raise _refused(path, found)
+    return found
+
+
+def _refused(path: Path, found: LogFormat) -> FileError:
+    return FileError(f"{path} must begin as {found.name} does, by the end of its name; it does not. Export it again.")
+
+
+@contextmanager
+def opened_log(path: Path, by_position: Sequence[str] = ()) -> Iterator[TextLog | ArrayLog]:
+    """Yield the log in a file: text, or binary by the end of its name. Raises FileError, MissingExtraError."""
+    found = format_of(path)
+    if found is None:
+        yield TextLog(path, by_position)
+        return
+    opened = found.load().opened(path)
+    try:
+        columns = opened.__enter__()
+    except FileError:
+        raise
+    except Exception as error:
+        raise damaged(str(path), found.name, error) from error
+    try:
+        yield ArrayLog(str(path), found.name, columns)
+    finally:
+        opened.__exit__(None, None, None)

@@ -1,0 +1,85 @@
+"""MDF of versions 2 to 4 by asammdf: channel groups, each with its own times and physical values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import escape
+
+import numpy as np
+from asammdf import MDF, Signal
+
+from readers.log_arrays import RawColumn, Values
+from readers.text import FileError
+
+VERSION = "4.10"
+#: Name of the times in the message about a table without them.
+TIME = "time"
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[list[RawColumn]]:
+    """Yield the channels of a file, each group with its times."""
+    with MDF(path) as file:
+        yield [column for number, group in enumerate(file.groups) for column in _of_group(file, number, group)]
+
+
+def _of_group(file: Any, number: int, group: Any) -> Iterator[RawColumn]:
+    rows = int(group.channel_group.cycles_nr)
+    master = file.masters_db.get(number)
+    name = getattr(group.channel_group, "acq_name", "") or getattr(group.channel_group, "comment", "")
+    path = (str(name or f"group {number + 1}"),) if len(file.groups) > 1 else ()
+    if master is not None:
+        yield RawColumn(TIME, "s", rows, partial(_times, file, number), path)
+    for index, channel in enumerate(group.channels):
+        if index != master:
+            read = partial(_values, file, number, index)
+            unit = channel.unit or getattr(channel.conversion, "unit", "") or ""
+            yield RawColumn(channel.name, str(unit), rows, read, path)
+
+
+def _times(file: Any, group: int, count: int | None) -> Values:
+    return np.asarray(file.get_master(group, record_count=count), float)
+
+
+def _values(file: Any, group: int, index: int, count: int | None) -> Values:
+    """Return physical values; those that the file marks as invalid are NaN. Arrays and structures are text."""
+    raw = file.get(group=group, index=index, record_count=count, raw=True)
+    signal = raw.physical(copy=False, ignore_value2text_conversions=True)
+    values = signal.samples
+    if values.dtype.names or values.ndim > 1 or values.dtype.kind not in "biuf":
+        return [_cell(value) for value in values]
+    if signal.invalidation_bits is not None and np.any(invalid := np.asarray(signal.invalidation_bits, bool)):
+        values = np.where(invalid, np.nan, values.astype(float))
+    return values
+
+
+def _cell(value: Any) -> str:
+    return value.decode("utf-8", "replace").strip("\0 ") if isinstance(value, bytes) else str(value)
+
+
+def write(
+    path: Path, columns: Mapping[str, Sequence[Any]], units: Mapping[str, str], metadata: Mapping[str, str]
+) -> None:
+    """Write a channel group with the column time as its times. Raises FileError without it."""
+    if TIME not in columns or units[TIME] != "s" or not np.all(np.isfinite(np.asarray(columns[TIME], float))):
+        raise FileError(f"{path}: an MDF file must have the times of its rows, time [s]; got none. Write a .parquet.")
+    times = np.asarray(columns[TIME], float)
+    signals = [
+        Signal(np.asarray(values, float), times, name=name, unit=units[name])
+        for name, values in columns.items()
+        if name != TIME
+    ]
+    with MDF(version=VERSION) as file:
+        text = escape("\n".join(f"{name}: {value}" for name, value in metadata.items()))
+        file.header.comment = f"<HDcomment><TX>{text}</TX></HDcomment>"
+        file.append(signals, common_timebase=True)
+        ended = path.with_name(f"{path.name}.mf4")  # asammdf writes to no other end
+        try:
+            file.save(ended, overwrite=True)
+            ended.replace(path)
+        finally:
+            ended.unlink(missing_ok=True)

@@ -1,0 +1,94 @@
+"""Tables written by the end of a file's name: CSV, Parquet, MATLAB, MDF4 and HDF5, each with units; logs read them."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from readers.formats.logs import FORMATS
+from readers.storage import whole_file
+from readers.text import FileError, quoted
+
+CSV, PARQUET = ".csv", ".parquet"
+#: Ends of names of files that are written.
+ENDS = (CSV, PARQUET, ".mat", ".mf4", ".h5")
+
+
+def check_end(path: Path) -> None:
+    """Raise FileError if a table is not written by the end of a name, MissingExtraError if its package is missing."""
+    end = path.suffix.lower()
+    if end not in ENDS:
+        raise FileError(
+            f"{path} must end in one of {', '.join(ENDS)}; got {quoted(path.suffix or path.name)}. Rename it."
+        )
+    if end != CSV:
+        FORMATS[end].load()
+
+
+def write_columns(
+    path: Path,
+    columns: Mapping[str, Sequence[Any] | np.ndarray],
+    units: Mapping[str, str],
+    metadata: Mapping[str, str] | None = None,
+) -> Path:
+    """Write named columns whole or not at all, with all digits.
+
+    Parameters
+    ----------
+    path : Path
+        Its end is one of ENDS.
+    columns : mapping of str to sequence, shape (rows,)
+        Numbers, NaN or None where there is none; texts where `units` does not have the name, in CSV and Parquet alone.
+    units : mapping of str to str
+        Unit of each column of numbers, by name.
+    metadata : mapping of str to str, optional
+        Texts about the table by name: remarks above the names of a CSV, metadata of the file in other formats.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    FileError
+        If the name has another end, or the format has no place for a column.
+    MissingExtraError
+        If the package of the format is not installed.
+    StorageError
+        If the file cannot be written.
+    """
+    check_end(path)
+    end, about = path.suffix.lower(), dict(metadata or {})
+    texts = [name for name in columns if name not in units]
+    if texts and end not in (CSV, PARQUET):
+        raise FileError(f"{path}: columns must have numbers and a unit; got {quoted(texts[0])}. Write a .csv.")
+    with whole_file(path) as partial:
+        if end == CSV:
+            _write_csv(partial, columns, units, about)
+        else:
+            FORMATS[end].load().write(partial, columns, units, about)
+    return path
+
+
+def _write_csv(
+    path: Path, columns: Mapping[str, Sequence[Any] | np.ndarray], units: Mapping[str, str], metadata: Mapping[str, str]
+) -> None:
+    """Write remarks, names with units, and rows; an empty cell where a value is missing."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        for name, text in metadata.items():
+            file.writelines(f"# {name}: {line}\n" for line in text.splitlines() or [""])
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([f"{name} [{units[name]}]" if name in units else name for name in columns])
+        writer.writerows(zip(*map(_cells, columns.values()), strict=True))
+
+
+def _cells(values: Sequence[Any] | np.ndarray) -> list[Any]:
+    """Return cells, numbers with the digits that give them back."""
+    plain = values.tolist() if isinstance(values, np.ndarray) else values
+    return ["" if isinstance(one, float) and math.isnan(one) else one for one in plain]
