@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bogie_braking.measured_data import check_unit, log_of
 from fmu_src.cosimulation.recording import Recording
 from readers.log_columns import ColumnMap
-from readers.log_rows import after_events
+from readers.log_rows import after_events, bridged
 
 Numbers = NDArray[np.float64]
 #: Columns of a log, and of each wheelset, with their units.
@@ -52,6 +52,7 @@ def _log(
 ) -> FrictionLog:
     table = _table(name, one, len(radii), columns)
     of_vehicle = [_column(name, table, column, unit) for column, unit in OF_VEHICLE.items()]
+    of_vehicle[1:] = [bridged(of_vehicle[0], values) for values in of_vehicle[1:]]
     kept = np.flatnonzero(np.isfinite(of_vehicle).all(axis=0))
     kept = kept[after_events(of_vehicle[0][kept])]
     time, speed, distance = (values[kept] for values in of_vehicle)

@@ -66,7 +66,8 @@ def measured_from(path: str | Path, columns: ColumnMap | None = None) -> Recordi
     Parameters
     ----------
     path : str or Path
-        A log with names and units, such as `time [s],speed [km/h]`.
+        A log with names and units, such as `time [s],speed [km/h]`: text, Parquet, MATLAB, MDF or HDF5 by the end of
+        its name (docs/files.md).
     columns : mapping, str or Path, optional
         A map from its names to those of variables, or its TOML file. By default names are guessed, and a message on
         standard error shows the guesses.
@@ -113,7 +114,7 @@ def log_of(
 
 def not_a_log(name: str, measured: object, end: str = "") -> TypeError:
     """Return the error of something that is not a log."""
-    return TypeError(f"{name} must be a Recording or the path of a CSV file; got {shown(measured)}{end}.")
+    return TypeError(f"{name} must be a Recording or the path of a log; got {shown(measured)}{end}.")
 
 
 def check_unit(table: Recording, name: str, unit: str, where: str = "the measured data.") -> None:

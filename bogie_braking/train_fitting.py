@@ -22,7 +22,9 @@ from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
 from readers.columns import Column
-from readers.log_rows import after_events
+from readers.formats.logs import format_of
+from readers.log_rows import after_events, bridged
+from readers.log_words import FAMILIES, plain
 from readers.tables import read_table
 from readers.usual import likely_unit
 
@@ -94,7 +96,9 @@ def _table(measured: Recording | str | Path) -> Recording:
         check_unit(table, name, units[name])
     rows = np.column_stack([table[name] for name in names])
     if needs[0] == "time":
-        rows = rows[after_events(table["time"])]
+        for pressure in rows.T[2:]:
+            pressure[:] = bridged(table["time"], pressure)
+        rows = rows[after_events(table["time"]) & np.isfinite(rows[:, 1])]
     recording = Recording({name: units[name] for name in names}, rows)
     _check(recording)
     return recording
@@ -135,8 +139,10 @@ def _check_pressure(pressures: np.ndarray) -> None:
 
 def _read(path: Path) -> Recording:
     """Return a run or stops of a file. Raises FileError."""
+    if format_of(path) is not None:
+        return table_from(path, RUN)
     head = read_table(path, [Column("speed", "m/s", required=True)], others=True)
-    if any(name.strip().lower() in ("time", "t") for name in (*head.numbers, *head.words)):
+    if any(plain(name) in FAMILIES[("time",)] for name in (*head.numbers, *head.words)):
         return table_from(path, RUN)
     table = read_table(path, STOPS)
     return Recording(

@@ -225,8 +225,7 @@ def filled(
     times = clock[there]
     if times.size < 2:
         raise TableError(f"{name} must have at least 2 values; it has {times.size}. Check the column.")
-    if longest is None:
-        longest = max(BRIDGED, BRIDGED_STEPS * float(np.median(np.diff(clock))))
+    longest = _longest(clock, longest)
     steps = np.diff(np.concatenate([clock[:1], times, clock[-1:]]))
     if np.max(steps) > longest:
         at = int(np.argmax(steps))
@@ -236,6 +235,29 @@ def filled(
             f"{since:.6g} s. Cut the log there, or allow it (--longest-gap, longest_gap=)."
         )
     return times, values[there]
+
+
+def bridged(
+    clock: NDArray[np.float64], values: NDArray[np.float64], longest: float | None = None
+) -> NDArray[np.float64]:
+    """Return values, those that are missing on a line between their neighbours; NaN in gaps that `filled` refuses.
+
+    Takes clock, values [s] (rows,), longest [s].
+    """
+    there = np.isfinite(values)
+    if np.all(there) or not np.any(there):
+        return values
+    times = clock[there]
+    behind = np.searchsorted(times, clock, "left")
+    before = np.where(behind > 0, times[behind - 1], clock[0])
+    after = np.where(behind < times.size, times[np.minimum(behind, times.size - 1)], clock[-1])
+    near = there | (after - before <= _longest(clock, longest))
+    return np.where(near, np.interp(clock, times, values[there]), math.nan)
+
+
+def _longest(clock: NDArray[np.float64], longest: float | None) -> float:
+    """Return the longest gap that is bridged [s]."""
+    return max(BRIDGED, BRIDGED_STEPS * float(np.median(np.diff(clock)))) if longest is None else longest
 
 
 def averaged(rows: NDArray[np.float64], interval: float) -> NDArray[np.float64]:

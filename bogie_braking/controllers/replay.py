@@ -42,7 +42,7 @@ from products.protection.own_process import Apart, NoControllerError, ProcessEnd
 from products.protection.settings import LONGEST_PERIOD
 from readers.command_line import quantity
 from readers.log_columns import ColumnMap
-from readers.log_rows import after_events, filled
+from readers.log_rows import after_events, bridged, filled
 from readers.text import FileError, quoted
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ class Replayed:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    text = "a CSV file with columns time [s] and wheel_speed_1 [m/s] and so on; also speed [m/s] and valve_1 [1]"
+    text = "a log (CSV, Parquet, .mat, MDF, HDF5) with time [s] and wheel_speed_1 [m/s] and so on; also speed, valve_1"
     parser.add_argument("log", type=Path, help=text)
     text = "FILE.py:CLASS, a shared library, a C file that includes wheel_slide.h, or an FMU"
     parser.add_argument("controller", help=text)
@@ -156,14 +156,14 @@ def read_log(path: Path, columns: ColumnMap | None = None, longest_gap: float | 
 
 
 def _checked(path: Path, log: Recording, longest_gap: float | None) -> Recording:
-    """Return a log without rows that lack a wheel speed. Raises BadInputError, FileError."""
+    """Return the rows of a log with a wheel speed, and the others bridged. Raises BadInputError, FileError."""
     count = wheelsets_in(log)
     if not 1 <= count <= MOST_WHEELSETS:
         raise BadInputError(
             f"{path} has {count} columns wheel_speed_1 [m/s] and so on; give it 1 to {MOST_WHEELSETS}. Name them "
             "by a map with --columns."
         )
-    for name in speeds_of(count):
+    for name in (wheels := speeds_of(count)):
         if name not in log.names:
             there = quoted(", ".join(log.names), 200)
             raise BadInputError(f"{path}: the column {name} [m/s] is missing; there are {there}. Add it.")
@@ -173,10 +173,9 @@ def _checked(path: Path, log: Recording, longest_gap: float | None) -> Recording
             raise BadInputError(
                 f"{path}: {name} must be from 0 to {FASTEST_LOGGED:g} m/s; got {low:g} to {high:g} m/s. Check its unit."
             )
-    whole = np.all([np.isfinite(log[name]) for name in speeds_of(count)], axis=0)
-    if np.sum(whole) < 2:
-        raise BadInputError(f"{path} must have at least 2 rows with all wheel speeds; it has {np.sum(whole)}.")
-    return Recording(log.units, np.column_stack([log[name] for name in log.names])[whole], log.messages)
+    columns = [bridged(log["time"], log[name], longest_gap) if name in wheels else log[name] for name in log.names]
+    of_wheels = np.any([np.isfinite(log[name]) for name in wheels], axis=0)
+    return Recording(log.units, np.column_stack(columns)[of_wheels], log.messages)
 
 
 def wheelsets_in(log: Recording) -> int:
@@ -201,11 +200,15 @@ def replay(log: Recording, name: str, form: Given, period: float | None) -> Repl
     speeds = np.column_stack([log[speed][samples] for speed in speeds_of(count)])[last]
     controller = single(name, form, count, period or float(np.median(np.diff(rows))))
     valves, message = commands_of(Supervised(controller, count), times, speeds)
-    same: list[float | None] = []
-    for place in range(count):
-        recorded = log.units.get(f"valve_{place + 1}") and log[f"valve_{place + 1}"][samples][last][: len(valves)]
-        same.append(None if recorded is None or not len(valves) else float(np.mean(recorded == valves[:, place])))
+    recorded = [log[f"valve_{n}"][samples][last] if f"valve_{n}" in log.names else None for n in range(1, count + 1)]
+    same = [None if one is None else _share(one[: len(valves)], valves[:, n]) for n, one in enumerate(recorded)]
     return Replayed(name, log, times, valves, tuple(same), message)
+
+
+def _share(recorded: np.ndarray, valve: np.ndarray) -> float | None:
+    """Return the share of the recorded commands, where there are any, that a valve got too."""
+    there = np.isfinite(recorded)
+    return float(np.mean(recorded[there] == valve[there])) if np.any(there) else None
 
 
 def commands_of(controller: Supervised, times: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, str]:

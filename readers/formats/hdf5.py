@@ -31,26 +31,37 @@ def opened(path: Path) -> Iterator[list[RawColumn]]:
 
 def _group(group: Any, depth: int) -> dict[str, Any]:
     """Return the groups and datasets of a group; links outside of the file are left out."""
+    if MATLAB_CLASS in group.attrs and (size := _struct_array(group)):
+        rows = [{name: _node(group.file[group[name][()].flat[at]], depth + 1) for name in group} for at in range(size)]
+        return {f"({number})": row for number, row in enumerate(rows, 1)}
     found = {}
     for name in group:
         is_inside = not isinstance(group.get(name, getlink=True), h5py.ExternalLink)
         node = group.get(name) if is_inside and not name.startswith(OF_MATLAB) else None
-        if isinstance(node, h5py.Group) and depth < DEEPEST:
-            found[name] = _group(node, depth + 1)
-        elif isinstance(node, h5py.Dataset):
-            found[name] = _node(node, depth)
+        if isinstance(node, h5py.Dataset) or (isinstance(node, h5py.Group) and depth < DEEPEST):
+            found[name] = _node(node, depth + 1)
     return found
+
+
+def _struct_array(group: Any) -> int:
+    """Return the number of structs in a struct array of MATLAB; 0: it is none."""
+    fields = [group.get(name) for name in group]
+    sizes = {field.size if isinstance(field, h5py.Dataset) and field.dtype == h5py.ref_dtype else 0 for field in fields}
+    is_cell = any(MATLAB_CLASS in field.attrs for field in fields)
+    return sizes.pop() if len(sizes) == 1 and not is_cell and max(sizes) <= MOST_ELEMENTS else 0
 
 
 def _node(dataset: Any, depth: int) -> Any:
     """Return an array, a text, or the columns of a table."""
+    if isinstance(dataset, h5py.Group):
+        return _group(dataset, depth)
     kind = _text(dataset.attrs.get(MATLAB_CLASS, ""))
     if dataset.attrs.get("MATLAB_empty", 0):
         return ""
     if kind == "char" and dataset.dtype.kind == "u" and dataset.size <= LONGEST:
         return dataset[()].tobytes().decode("utf-16-le" if dataset.dtype.itemsize == 2 else "latin-1", "replace")
     if dataset.dtype == h5py.ref_dtype:
-        return _referred(dataset, depth)
+        return _cells(dataset, depth)
     if h5py.check_string_dtype(dataset.dtype) and dataset.shape == ():
         return _text(dataset[()])
     if dataset.dtype.names and len(dataset.shape) == 1:
@@ -58,12 +69,11 @@ def _node(dataset: Any, depth: int) -> Any:
     return _leaf(dataset, dataset.dtype, None)
 
 
-def _referred(dataset: Any, depth: int) -> Any:
-    """Return the elements of a cell array or of a field of a struct array."""
+def _cells(dataset: Any, depth: int) -> Any:
+    """Return the elements of a cell array."""
     if dataset.size > MOST_ELEMENTS or depth >= DEEPEST:
         return Leaf((0,), lambda at, count: [], unusable="cell array")
-    nodes = [dataset.file[reference] for reference in dataset[()].ravel() if reference]
-    parts = [_group(one, depth + 1) if isinstance(one, h5py.Group) else _node(one, depth + 1) for one in nodes]
+    parts = [_node(dataset.file[reference], depth + 1) for reference in dataset[()].ravel() if reference]
     return parts[0] if len(parts) == 1 else {f"({number})": part for number, part in enumerate(parts, 1)}
 
 
@@ -80,8 +90,8 @@ def _leaf(dataset: Any, dtype: Any, member: str | None) -> Leaf:
         source = dataset.fields(member) if member is not None else dataset
         if len(shape) < 2:
             values = source[rows]
-        elif is_row != is_turned:
-            values = source[0, rows]
+        elif is_row:
+            values = source[rows, 0] if is_turned else source[0, rows]
         else:
             values = source[column, rows] if is_turned else source[rows, column]
         return [_text(value) for value in values] if is_text else _unpacked(np.asarray(values), dataset.attrs)

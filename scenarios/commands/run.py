@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--kind", choices=["native", "python"], help="which FMUs (default: native)")
     step, text = quantity("--step", "s", SMALLEST_STEP, LARGEST_STEP), "macro step, as 1ms or 0.001 in seconds"
     parser.add_argument("--step", type=step, metavar="TIME", help=f"{text} (default: 1ms; lock boundary 10ms)")
-    text = "torque of the trailing wheelset: time [s], torque [N.m]"
+    text = "torque of the trailing wheelset, a log of time [s] and torque [N.m]"
     parser.add_argument("--torque-csv", type=Path, metavar="FILE", help=text)
     text = "map from the names of --torque-csv to time and torque, a TOML file (default: guessed, and told)"
     parser.add_argument("--columns", type=Path, metavar="FILE", help=text)

@@ -147,7 +147,7 @@ def test_a_log_that_is_displaced_is_named() -> None:
         ({"places": [0.0, 40.0, 40.0]}, ValueError, "in ascending order"),
         ({"places": 1e-9}, ValueError, "places must be a spacing above 0 m"),
         ({"measured": []}, ValueError, "at least one log; got none"),
-        ({"measured": [3]}, TypeError, "path of a CSV file; got 3 as log 1"),
+        ({"measured": [3]}, TypeError, "path of a log; got 3 as log 1"),
         ({"parameters": {"cleaned_friction": 1.1}}, ValueError, "must have an initial value of friction"),
         ({"parameters": {"friction": 0.1, "frame_mass": 1.0}}, ValueError, "is fitted with friction, friction_ratio"),
         ({"parameters": {"friction": 0.0}}, ValueError, "initial value of friction must be between 0.001 and 2"),

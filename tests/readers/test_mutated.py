@@ -74,7 +74,7 @@ def test_a_spoilt_file_is_read_or_refused_in_one_sentence(
         assert refusal(read, path) == ""
     taken = 0
     for data in mutated(good, COUNT, seed=47):
-        monkeypatch.setattr(text_files, "_bytes_of", lambda path, largest, data=data: data)
+        monkeypatch.setattr(text_files, "first_bytes", lambda path, count, largest, data=data: data)
         said = refusal(read, path)
         taken += not said
         if said:
@@ -94,7 +94,7 @@ def test_a_spoilt_creep_table_is_read_or_refused_in_one_sentence(
     whole = path.read_text(encoding="utf-8").splitlines()
     chance, good = random.Random(47), "\n".join(whole[:4]) + "\n"
     for data in mutated([good], COUNT, seed=48):
-        monkeypatch.setattr(text_files, "_bytes_of", lambda path, largest, data=data: data)
+        monkeypatch.setattr(text_files, "first_bytes", lambda path, count, largest, data=data: data)
         check_sentence(refusal(read_creep_table, path), path)  # most values are missing
     monkeypatch.undo()
     twice = [*whole[:-1], whole[chance.randrange(1, 100)]]
