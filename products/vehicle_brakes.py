@@ -19,6 +19,7 @@ from products.machine import APPLICATION_TIME, FULL_PRESSURE, RELEASE_TIME, coac
 from products.train.brake_columns import CYLINDER
 from products.train.consist_columns import NUMBERS
 from products.vehicle_entries import choice_of, number_of
+from readers.column_words import with_columns
 from readers.quantity import Quantity, by_name
 from readers.usual import SI
 
@@ -65,6 +66,16 @@ BRAKE_ENTRIES = by_name(
     _as_in_consists("application_time", "fill_time", "from 0 to 95 % of the full pressure"),
     _as_in_consists("release_time", "release_time", "from the full pressure to 0.4 bar (UIC 540)"),
 )
+#: Entries that state a column of consists under another name, by this column.
+ENTRY_OF_COLUMN = {
+    "lambda": "percentage",
+    "brake_force": "force",
+    "friction_value": "friction",
+    "fill_time": "application_time",
+}
+#: Columns of consists that state the same as an entry: not their shoes, which are those of a vehicle, and not their
+#: friction_radius, which is a ratio.
+OF_CONSISTS = {*ENTRY_OF_COLUMN, *(BRAKE_ENTRIES.keys() & NUMBERS.keys())} - {"shoes", "friction_radius"}
 #: Entries of the rigging, which only cylinder data use, and those of one kind of brake alone.
 OF_RIGGING = ("rigging_efficiency", "return_force")
 OF_TREADS, OF_DISCS = ("friction_law", "shoes"), ("friction_radius",)
@@ -89,12 +100,17 @@ class SheetBrake:
 
 
 def with_entry_names(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the table [brake] of a file with the column name of consists, lambda, as percentage. Raises ValueError."""
-    if "lambda" not in table:
-        return dict(table)
-    if "percentage" in table:
-        raise ValueError("[brake] percentage must be given once; got lambda beside it. Leave one out.")
-    return {"percentage" if key == "lambda" else key: value for key, value in table.items()}
+    """Return the table [brake] of a file with the names of its entries in place of those of consists, in any language.
+
+    Raises ValueError.
+    """
+    found: dict[str, Any] = {}
+    for key, value in with_columns(table, OF_CONSISTS).items():
+        name = ENTRY_OF_COLUMN.get(key, key)
+        if name in found:
+            raise ValueError(f"[brake] {name} must be given once; got {key} beside it. Leave one out.")
+        found[name] = value
+    return found
 
 
 def brake_of_sheet(

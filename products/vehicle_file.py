@@ -31,6 +31,7 @@ from rbd_model.train.vehicle import GRAVITY
 from rbd_model.vehicle.description import Vehicle, parameters_in
 from rbd_model.vehicle.parameters import BogieParameters, VehicleParameters
 from rbd_model.vehicle.ready import four_axle_vehicle, six_axle_vehicle, two_axle_bogie
+from readers.column_words import with_columns
 from readers.text import FileError, shown
 from readers.toml_files import toml_of
 from readers.usual import likely_unit
@@ -204,7 +205,9 @@ def contact_tables(paths: Sequence[Path], wheelsets: int) -> tuple[Path, ...]:
 
 def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
     """Return the vehicle of a file's content. Raises ValueError, as `read_vehicle` without the file's name."""
-    check_names(read, [*ENTRIES, "name", "like", "profile_file", ENTRY, *TABLES, *ROWS], "")
+    names = [*ENTRIES, "name", "like", "profile_file", ENTRY, *TABLES, *ROWS]
+    read = with_columns(read, names)
+    check_names(read, names, "")
     tables = {table: _table(read, table) for table in TABLES}
     title, like, axles = read.get("name", name), _like(read), _axles(read)
     if not isinstance(title, str) or not title.isprintable() or not 0 < len(title) <= LONGEST_NAME:

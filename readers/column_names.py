@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
+from readers.column_words import column_meant, false_friend
 from readers.columns import Column, Place, TableError, unit_factor
 from readers.text import BLANK, LONGEST_ROW, quoted, shown
 
@@ -44,11 +45,12 @@ def layout_of(
     """Return the columns of a file by its row of names; others: whether it may have further ones, or TEXT."""
     known = {tidy(column.name): column for column in columns}
     parts = [(at, *name_and_unit(cell, place)) for at, cell in enumerate(cells) if cell]
-    if by_position and not any(tidy(name) in known for _, name, _ in parts):
+    meant = {at: _meant(name, known, place) for at, name, _ in parts}
+    if by_position and not any(meant.values()):
         return columns_in_order(place, columns, [unit for _, _, unit in parts])
     found: dict[str, Place] = {}
     for at, name, unit in parts:
-        column = known.get(tidy(name))
+        column = meant[at]
         if column is None and not others:
             raise TableError(f"{place}: the column {quoted(name)} is unknown. {advice(name, known, columns)}")
         if column is None and others == TEXT:
@@ -68,6 +70,14 @@ def layout_of(
     return list(found.values())
 
 
+def _meant(name: str, known: Mapping[str, Column], place: str) -> Column | None:
+    """Return the column of a name: its own, a German or a French one; None if it is unknown. Raises TableError."""
+    try:
+        return known.get(tidy(name)) or known.get(tidy(column_meant(name, [one.name for one in known.values()]) or ""))
+    except ValueError as error:
+        raise TableError(f"{place}: {error}") from None
+
+
 def name_and_unit(cell: str, place: str) -> tuple[str, str]:
     """Return name and unit, or "", of a cell in the row of names; place: file and row. Raises TableError."""
     match = HEAD_SQUARE.fullmatch(cell) or HEAD_ROUND.fullmatch(cell)
@@ -82,6 +92,8 @@ def name_and_unit(cell: str, place: str) -> tuple[str, str]:
 
 def advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
     """Return the end of the message for an unknown column: the nearest of the known tidy names, or the first."""
+    if sentence := false_friend(name):
+        return sentence
     near = difflib.get_close_matches(tidy(name)[:100], list(known), 1)
     if near:
         return f"Did you mean {near[0]}?"

@@ -6,34 +6,27 @@ Only names that can mean one quantity are here. A name of one letter counts if i
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from readers.column_words import plain as plain
+from readers.column_words import words_of
 from readers.units import SPELLINGS, quantity_of
 
 #: Names of each quantity, words joined by underscores. Keys: names of variables, the first that exists is meant; if
 #: several exist, the name is ambiguous unless its unit decides.
 _FAMILIES: dict[tuple[str, ...], tuple[str, ...]] = {
     ("time",): (
-        *("t", "time", "zeit", "temps", "tiempo", "timestamp", "time_stamp", "zeitstempel", "datetime", "date_time"),
+        *("t", "time", *words_of("time"), "tiempo", "timestamp", "time_stamp", "zeitstempel", "datetime", "date_time"),
         *("datum_zeit", "elapsed", "elapsed_time", "epoch", "unix_time", "unixtime", "utc", "utc_time", "uhrzeit"),
         *("seconds", "time_of_day", "messzeit", "zeit_utc", "time_utc"),
     ),
     ("speed",): (
-        *("v", "speed", "velocity", "geschwindigkeit", "vitesse", "velocidad", "vehicle_speed", "train_speed"),
+        *("v", "speed", "velocity", *words_of("speed"), "velocidad", "vehicle_speed", "train_speed"),
         *("v_train", "v_vehicle", "v_zug", "v_ist", "zuggeschwindigkeit", "fahrgeschwindigkeit", "gps_speed", "v_gps"),
         *("speed_gps", "ground_speed", "actual_speed", "vitesse_train", "istgeschwindigkeit", "train_velocity"),
     ),
-    ("distance",): (
-        "distance",
-        "weg",
-        "s",
-        "distance_travelled",
-        "travelled_distance",
-        "fahrweg",
-        "distance_parcourue",
-    ),
+    ("distance",): (*("distance", *words_of("distance"), "s", "distance_travelled", "travelled_distance", "fahrweg"),),
     ("acceleration",): ("acceleration", "a", "beschleunigung", "accel"),
     ("wheel_speed", "angular_velocity"): (
         *("wheel_speed", "speed_wheel", "axle_speed", "speed_axle", "wheelset_speed", "v_wheel", "v_axle", "v_rad"),
@@ -91,14 +84,6 @@ BEHIND = re.compile(r"(?P<name>.*?\w)(\s+in\s+|\s*[/,]\s*|[\s_]+)(?P<unit>[^\s,]
 #: Spellings of units by small letters, where that is unique.
 _ALL = [one for units in SPELLINGS.values() for one in units]
 UNITS = {one.casefold(): one for one in _ALL if sum(one.casefold() == other.casefold() for other in _ALL) == 1}
-GERMAN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
-
-
-def plain(name: str) -> str:
-    """Return a name in small ASCII letters, digits and underscores."""
-    letters = unicodedata.normalize("NFKD", name.casefold().translate(GERMAN))
-    bare = "".join(letter for letter in letters if not unicodedata.combining(letter))
-    return re.sub(r"[^a-z0-9]+", "_", bare).strip("_")
 
 
 def unit_like(text: str) -> str:

@@ -1,7 +1,7 @@
 """Columns of a consist: names, units, limits and words. Tables in docs/train.md, docs/train-brakes.md and
 docs/train-couplers.md explain each.
 
-A CSV file has them in its first row, a TOML file as keys of each [[vehicle]].
+A CSV file has them in its first row, a TOML file as keys of each [[vehicle]]; both also in German and French.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from products.train.cell_tables import CELL_TABLES
 from products.train.consist import KINDS, LONGEST_VEHICLE
 from rbd_model.train.adhesion import ADHESIONS
 from rbd_model.train.coupler import COUPLERS
+from readers.column_words import false_friend, with_columns
 from readers.columns import LONGEST_TEXT, Column
 from readers.quantity import Quantity, by_name
 from readers.text import quoted, shown
@@ -194,7 +195,7 @@ def values_of(row: Mapping[str, Any], couplers: Iterable[str] = ()) -> dict[str,
     if not isinstance(row, Mapping):
         raise ValueError(f"a vehicle must be names with values; got {shown(row)}. Write kind = 'wagon'.")
     found: dict[str, Any] = {}
-    for name, value in row.items():
+    for name, value in with_columns(row, NAMES).items():
         if name in WORDS:
             words = (*choices(name), *(couplers if name == "coupler" else ()))
             if value not in words:
@@ -209,7 +210,8 @@ def values_of(row: Mapping[str, Any], couplers: Iterable[str] = ()) -> dict[str,
         elif name in NUMBERS:
             found[name] = NUMBERS[name].read(value)
         else:
-            raise ValueError(f"the name {quoted(str(name))} is unknown; {suggestion(str(name), NAMES)}")
+            remedy = false_friend(str(name)) or suggestion(str(name), NAMES)
+            raise ValueError(f"the name {quoted(str(name))} is unknown; {remedy}")
     if "kind" not in found:
         raise ValueError(f"a vehicle must have a kind, one of {', '.join(KINDS)}. Add it.")
     return found

@@ -16,6 +16,7 @@ import numpy as np
 from fmu_src.suggestion import suggestion
 from products.train.consist_columns import LONGEST_NAME, NUMBERS
 from rbd_model.train.coupler import COUPLERS, Coupler, Curve
+from readers.column_words import with_columns
 from readers.quantity import Quantity, by_name
 from readers.text import quoted, shown
 from readers.toml_files import toml_of
@@ -147,6 +148,7 @@ def _checked(table: Any) -> dict[str, Any]:
     """Return the values of a table, each within its own limits."""
     if not isinstance(table, Mapping):
         raise ValueError(f"a coupler must be names with values; got {shown(table)}. Write name = 'buffers'.")
+    table = with_columns(table, TABLE_NAMES)
     name = table.get("name")
     if not isinstance(name, str) or not name.strip() or len(name) > LONGEST_NAME or not name.isprintable():
         raise ValueError(f"name must be printable text of 1 to {LONGEST_NAME} characters; got {shown(name)}. Add it.")

@@ -11,6 +11,7 @@ from rbd_model.track.line_elements import line_from_elements
 from rbd_model.track.line_pieces import SourcedLine, line_of_alignment
 from rbd_model.track.line_points import line_from_points, line_of_course
 from rbd_model.track.point_files import NAMES
+from readers.column_words import column_meant
 from readers.formats.lines import is_foreign_line, read_foreign_line
 from readers.formats.maps import read_map
 from readers.import_account import Account
@@ -34,7 +35,7 @@ def kind_of(path: Path) -> str:
     """Return what a file holds: ELEMENTS, POINTS, FOREIGN or LINE. Raises FileError if it cannot be read."""
     if is_foreign_line(path):
         return FOREIGN
-    names = set(names_of(path))
+    names = {column_meant(name, OF_ELEMENTS | NAMES) or name for name in names_of(path)}
     return ELEMENTS if names >= OF_ELEMENTS else POINTS if names & NAMES else LINE
 
 

@@ -1,0 +1,202 @@
+"""German and French names of columns and entries, one table for all readers.
+
+The words are those of UIC 530, 540 and 544-1, of DIN EN 13803, 14531-1 and 15663, and of data sheets. Only words of the
+same quantity are here. These are left out:
+
+* Bremsgewicht, masse freinée: masses, not percentages
+* Tara in consists, whose `mass` includes the load
+* Gefälle, pente: positive downwards
+* Radius and rayon in lines, whose column is a curvature
+* Reibwert in lines and tracks, whose column is a factor on the friction
+* Kilometrierung, point kilométrique: kilometres, where a column without a unit has metres
+* Gesamtachsstand: not that of a bogie
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Collection, Mapping
+from typing import Any
+
+from readers.text import quoted
+
+_DEVICES = {
+    "buffer": (("Puffer",), ("tampon",)),
+    "draw": (("Zugeinrichtung",), ("organe de traction",)),
+    "tension": (("Zug",), ("traction",)),
+    "compression": (("Druck",), ("compression",)),
+}
+_CURVES = {
+    "travel": (("Weg", "Federweg"), ("course",)),
+    "loading": (("Belastung",), ("charge",)),
+    "unloading": (("Entlastung",), ("décharge",)),
+    "damping": (("Dämpfung",), ("amortissement",)),
+    "preload": (("Vorspannkraft",), ("précontrainte",)),
+    "stroke": (("Hub",), ("course maximale",)),
+}
+Words = tuple[tuple[str, ...], tuple[str, ...]]
+#: Words by name of the column: German, French.
+COLUMN_WORDS: dict[str, Words] = {
+    # Lines and tracks
+    "time": (("Zeit",), ("temps",)),
+    "speed": (("Geschwindigkeit",), ("vitesse",)),
+    "distance": (("Weg", "Laufweg", "Wegstrecke"), ("distance parcourue", "abscisse", "abscisse curviligne")),
+    "curvature": (("Krümmung", "Gleiskrümmung", "Bogenkrümmung"), ("courbure",)),
+    "cant": (("Überhöhung", "Gleisüberhöhung"), ("dévers",)),
+    "gradient": (("Neigung", "Längsneigung", "Steigung"), ("déclivité", "rampe")),
+    "gauge_widening": (("Spurerweiterung",), ("surécartement",)),
+    "left_lateral": (("linke Schiene seitlich",), ("rail gauche latéral",)),
+    "left_vertical": (("linke Schiene vertikal",), ("rail gauche vertical",)),
+    "right_lateral": (("rechte Schiene seitlich",), ("rail droit latéral",)),
+    "right_vertical": (("rechte Schiene vertikal",), ("rail droit vertical",)),
+    "left_friction": (("Reibungsfaktor links",), ("facteur de frottement gauche",)),
+    "right_friction": (("Reibungsfaktor rechts",), ("facteur de frottement droit",)),
+    "type": (("Typ", "Elementtyp"), ("type d'élément",)),
+    "radius": (("Halbmesser", "Bogenhalbmesser", "Bogenradius"), ("rayon", "rayon de courbe")),
+    "side": (("Seite",), ("côté",)),
+    "chainage": (("Station", "Stationierung"), ("abscisse",)),
+    "height": (("Höhe",), ("altitude", "hauteur")),
+    "easting": (("Rechtswert", "Ostwert"), ("coordonnée est",)),
+    "northing": (("Hochwert", "Nordwert"), ("coordonnée nord",)),
+    "latitude": (("Breitengrad", "geographische Breite"), ()),
+    "longitude": (("Längengrad", "geographische Länge"), ()),
+    "lateral": (("seitlich",), ("latéral",)),
+    "left": (("links",), ("gauche",)),
+    "right": (("rechts",), ("droite",)),
+    # Vehicles
+    "kind": (("Fahrzeugart",), ("type de véhicule",)),
+    "name": (("Bezeichnung",), ("nom", "désignation")),
+    "count": (("Anzahl", "Anzahl Fahrzeuge"), ("nombre", "nombre de véhicules")),
+    "axles": (("Achszahl", "Anzahl Radsätze"), ("nombre d'essieux", "essieux")),
+    "tare": (("Eigengewicht", "Eigenmasse", "Leermasse", "Tara"), ("masse à vide",)),
+    "load": (("Ladung", "Zuladung", "Lademasse", "Ladegewicht"), ("charge", "chargement")),
+    "mass": (("Masse", "Gesamtmasse", "Gesamtgewicht"), ("masse", "masse totale", "poids total")),
+    "length": (("Länge", "Länge über Puffer", "LüP"), ("longueur", "longueur hors tampons")),
+    "rotating": (("Zuschlag rotierende Massen",), ("majoration masses tournantes",)),
+    "rotating_mass": (("rotierende Masse",), ("masse tournante",)),
+    "resistance_a": (("Fahrwiderstand a",), ("résistance à l'avancement a",)),
+    "resistance_b": (("Fahrwiderstand b",), ("résistance à l'avancement b",)),
+    "resistance_c": (("Fahrwiderstand c",), ("résistance à l'avancement c",)),
+    "wheelset_mass": (("Radsatzmasse",), ("masse de l'essieu", "masse d'un essieu")),
+    "bogie_frame_mass": (("Drehgestellmasse ohne Radsätze",), ("masse du bogie sans essieux",)),
+    "wheel_diameter": (("Raddurchmesser", "Laufkreisdurchmesser"), ("diamètre de roue", "diamètre des roues")),
+    "pivot_distance": (("Drehzapfenabstand",), ("entraxe des pivots", "distance entre pivots")),
+    "wheel_base": (("Achsstand im Drehgestell", "Drehgestellachsstand"), ("empattement du bogie",)),
+    "coupler_height": (("Kupplungshöhe",), ("hauteur d'attelage",)),
+    # Brakes
+    "lambda": (("Bremshundertstel", "Brh"), ("pourcentage de freinage", "pourcentage de masse freinée")),
+    "deceleration": (("Verzögerung", "Bremsverzögerung"), ("décélération",)),
+    "brake_force": (("Bremskraft",), ("effort de freinage", "force de freinage")),
+    "shoe_force": (("Gesamtklotzkraft",), ("effort total des sabots",)),
+    "shoes": (("Anzahl Bremsklötze", "Bremsklötze"), ("nombre de sabots", "sabots")),
+    "cylinder_diameter": (
+        ("Bremszylinderdurchmesser", "Zylinderdurchmesser"),
+        ("diamètre du cylindre", "diamètre du cylindre de frein"),
+    ),
+    "cylinders": (("Anzahl Bremszylinder",), ("nombre de cylindres", "nombre de cylindres de frein")),
+    "rigging_ratio": (("Gestängeübersetzung",), ("rapport de timonerie",)),
+    "rigging_efficiency": (("Gestängewirkungsgrad",), ("rendement de timonerie", "rendement de la timonerie")),
+    "return_force": (("Rückstellkraft",), ("effort de rappel",)),
+    "friction": (("Reibungsgesetz",), ("loi de frottement",)),
+    "friction_value": (("Reibwert", "Reibungszahl", "Reibbeiwert"), ("coefficient de frottement",)),
+    "friction_table": (("Reibwerttabelle",), ("table de frottement",)),
+    "full_pressure": (
+        ("höchster Bremszylinderdruck", "Bremszylinderhöchstdruck"),
+        ("pression maximale au cylindre",),
+    ),
+    "fill_time": (("Füllzeit", "Bremszylinderfüllzeit"), ("temps de remplissage",)),
+    "release_time": (("Lösezeit", "Bremszylinderlösezeit"), ("temps de desserrage",)),
+    "auxiliary": (("Hilfsluftbehälter",), ("réservoir auxiliaire",)),
+    "cylinder": (("Bremszylindervolumen",), ("volume du cylindre", "volume des cylindres")),
+    "pipe_diameter": (("Durchmesser Hauptluftleitung",), ("diamètre conduite générale",)),
+    "brake": (("Bremsart",), ("type de frein",)),
+    "distributor": (("Steuerventil",), ("distributeur",)),
+    "position": (("Bremsstellung",), ("régime de freinage",)),
+    "valve": (("Führerbremsventil",), ("robinet de mécanicien",)),
+    "dead_time": (("Totzeit",), ("temps mort",)),
+    "dynamic_force": (("elektrische Bremskraft",), ("effort de freinage électrique",)),
+    "dynamic_power": (("elektrische Bremsleistung",), ("puissance de freinage électrique",)),
+    "traction_force": (("Zugkraft", "Anfahrzugkraft"), ("effort de traction",)),
+    "traction_power": (("Antriebsleistung",), ("puissance de traction",)),
+    "wheel_mass": (("Radmasse",), ("masse de roue",)),
+    "wheels": (("Anzahl gebremster Räder",), ("nombre de roues freinées",)),
+    "disc_mass": (("Bremsscheibenmasse",), ("masse du disque",)),
+    "discs": (("Anzahl Bremsscheiben",), ("nombre de disques",)),
+    "parking_force": (("Feststellbremskraft",), ("effort de frein de stationnement",)),
+    # Couplers
+    "coupler": (("Kupplung",), ("attelage",)),
+    "coupler_stiffness": (("Kupplungssteifigkeit",), ("raideur d'attelage",)),
+    "coupler_preload": (("Kupplungsvorspannung",), ("précontrainte d'attelage",)),
+    "coupler_slack": (("Kupplungsspiel",), ("jeu d'attelage",)),
+    "coupler_damping": (("Kupplungsdämpfung",), ("amortissement d'attelage",)),
+    "coupler_strength": (("Kupplungsfestigkeit",), ("résistance d'attelage",)),
+    "slack": (("Spiel",), ("jeu",)),
+    "strength": (("Festigkeit",), ("résistance",)),
+    "sticking_stiffness": (("Haftsteifigkeit",), ("raideur d'adhérence",)),
+} | {
+    f"{device}_{curve}": (
+        tuple(f"{one} {other}" for one in of_device[0] for other in of_curve[0]),
+        tuple(f"{one} {other}" for one in of_device[1] for other in of_curve[1]),
+    )
+    for device, of_device in _DEVICES.items()
+    for curve, of_curve in _CURVES.items()
+}
+#: What is stated by words that look like those of a column.
+FALSE_FRIENDS = {
+    "bremsgewicht": "A brake weight must be a percentage here, of the mass: Bremshundertstel.",
+    "masse_freinee": "A braked mass must be a percentage here, of the mass: pourcentage de freinage.",
+    "gefaelle": "A fall must be a gradient here, which is positive upwards: Neigung.",
+    "pente": "A fall must be a gradient here, which is positive upwards: déclivité.",
+}
+GERMAN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
+
+
+def plain(name: str) -> str:
+    """Return a name in small ASCII letters, digits and underscores."""
+    whole = unicodedata.normalize("NFC", name).casefold()
+    letters = unicodedata.normalize("NFKD", whole.translate(GERMAN))
+    bare = "".join(letter for letter in letters if not unicodedata.combining(letter))
+    return re.sub(r"[^a-z0-9]+", "_", bare).strip("_")
+
+
+def words_of(column: str) -> tuple[str, ...]:
+    """Return the German and French words of a column, as `plain` returns them, each once."""
+    return tuple(dict.fromkeys(plain(word) for words in COLUMN_WORDS.get(column, ((), ())) for word in words))
+
+
+#: Names of columns by each word.
+COLUMNS_OF = {
+    word: tuple(column for column in COLUMN_WORDS if word in words_of(column))
+    for column in COLUMN_WORDS
+    for word in words_of(column)
+}
+
+
+def column_meant(name: str, known: Collection[str]) -> str | None:
+    """Return the known column that a German or French name means, or None. Raises ValueError if it means several."""
+    found = [column for column in COLUMNS_OF.get(plain(name), ()) if column in known]
+    if len(found) > 1:
+        raise ValueError(f"the name {quoted(name)} can be {' or '.join(found)}. Write one of these.")
+    return found[0] if found else None
+
+
+def with_columns(table: Mapping[str, Any], known: Collection[str]) -> dict[str, Any]:
+    """Return a table with the names of columns in place of German and French ones.
+
+    Raises ValueError if a column is named twice.
+    """
+    found: dict[str, Any] = {}
+    for name, value in table.items():
+        column = name if name in known or not isinstance(name, str) else column_meant(name, known) or name
+        if column in found:
+            raise ValueError(
+                f"{column} must be given once; it is there twice, also as {quoted(str(name))}. Remove one."
+            )
+        found[column] = value
+    return found
+
+
+def false_friend(name: str) -> str:
+    """Return a sentence about a name that looks like that of a column, or nothing."""
+    return FALSE_FRIENDS.get(plain(name), "")
