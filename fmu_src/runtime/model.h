@@ -138,6 +138,8 @@ typedef struct {
     bool required;
     const unit_description *unit_of_file;
     int units;
+    const char *const *word; /* German and French names, in small ASCII letters */
+    int words;
 } column_description;
 
 /* Polynomials between two rows of a table file. Beyond the ends the value or the slope stays constant. */

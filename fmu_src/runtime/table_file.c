@@ -85,6 +85,50 @@ static void tidy(const char *name, const char *end, char found[LONGEST_NAME]) {
     found[length] = '\0';
 }
 
+/* A name in small ASCII letters and digits, with an underscore for all between them: umlauts as two letters, other letters of
+ * Latin-1 without their marks. `plain` of readers/column_words.py is its twin. */
+static void plain(const char *name, const char *end, char found[LONGEST_NAME]) {
+    static const char BARE[] = "aaaaaa_ceeeeiiii_nooooo__uuuuy_s";
+    enum { A_UMLAUT = 4, O_UMLAUT = 22, U_UMLAUT = 28, SHARP_S = 31, Y_UMLAUT = 63 };
+    int length = 0;
+    bool gap = false;
+    for (const unsigned char *c = (const unsigned char *)name; c < (const unsigned char *)end && length < LONGEST_NAME - 3;
+         ++c) {
+        const bool is_letter = (*c | 0x20) >= 'a' && (*c | 0x20) <= 'z'; /* in any locale of the host */
+        char letter = (char)(is_letter ? *c | 0x20 : *c >= '0' && *c <= '9' ? *c : '_'), behind = '\0';
+        if (*c == 0xC3 && c[1] >= 0x80 && c[1] <= 0xBF) { /* U+00C0 to U+00FF */
+            const int place = *++c - 0x80;
+            letter = place == Y_UMLAUT ? 'y' : BARE[place % 32];
+            behind = (char)(place % 32 == A_UMLAUT || place % 32 == O_UMLAUT || place % 32 == U_UMLAUT ? 'e' : '\0');
+            if (place == SHARP_S) behind = 's';
+        } else if (*c == 0xCC && c[1] >= 0x80) { /* a mark that combines with the letter before */
+            const bool umlaut = *++c == 0x88 && length && strchr("aou", found[length - 1]) && !gap;
+            if (!umlaut) continue;
+            letter = 'e';
+        }
+        if (letter == '_') {
+            gap = true;
+            continue;
+        }
+        if (gap && length) found[length++] = '_';
+        gap = false;
+        found[length++] = letter;
+        if (behind) found[length++] = behind;
+    }
+    found[length] = '\0';
+}
+
+/* The column that a German or French name means; the number of columns: none. */
+static int column_meant(const char *name, const char *end) {
+    const table_file_description *about = MODEL.table_file;
+    char bare[LONGEST_NAME];
+    plain(name, end, bare);
+    for (int i = 0; i < about->columns; ++i)
+        for (int j = 0; j < about->column[i].words; ++j)
+            if (strcmp(bare, about->column[i].word[j]) == 0) return i;
+    return about->columns;
+}
+
 /* How many letters must change, come or go to make one name of the other: Levenshtein (1966). */
 static int distance_of_names(const char *one, const char *other) {
     int row[LONGEST_NAME + 1];
@@ -159,10 +203,12 @@ static bool read_name(reader *self, char *cell, int at) {
     tidy(cell, end, name);
     int which = 0;
     while (which < about->columns && strcmp(name, about->column[which].name) != 0) ++which;
+    if (which == about->columns) which = column_meant(cell, end);
     if (which == about->columns) return refuse_name(self, cell, (int)(end - cell), name);
     for (int i = 0; i < self->places; ++i)
         if (self->place[i].column == which)
-            return refuse_file(self, "the column %s must be there once; it is there twice. Remove one", name);
+            return refuse_file(self, "the column %s must be there once; it is there twice. Remove one",
+                               about->column[which].name);
     cell_place *place = &self->place[self->places++];
     place->at = at;
     place->column = which;

@@ -192,7 +192,7 @@ def test_a_force_and_its_deceleration_are_the_same_brake() -> None:
 def test_lambda_is_the_percentage_and_is_given_once() -> None:
     same = [sheet_of(SHEET | {"brake": {name: 105.0}}).brake for name in ("lambda", "percentage")]
     assert same[0] == same[1]
-    with pytest.raises(ValueError, match="must be given once; got lambda beside it"):
+    with pytest.raises(ValueError, match="percentage must be given once; got percentage beside it"):
         sheet_of(SHEET | {"brake": {"lambda": 105.0, "percentage": 105.0}})
 
 
@@ -330,7 +330,7 @@ REFUSED = [
     ({"tare": "3 t"}, "tare and load must be above"),
     ({"tare": "44 m"}, "tare must be from 100 to 1e+06 kg; got 44 m"),
     ({"tare": 5e3}, "Give wheelset_mass and bogie_frame_mass too"),
-    ({"tara": "44 t"}, "'tara' is not a known entry. Did you mean tare?"),
+    ({"tarre": "44 t"}, "'tarre' is not a known entry. Did you mean tare?"),
     ({"like": "tram"}, "like must be one of coach, coal-wagon, bogie; got tram"),
     ({"axles": 5}, "axles must be 2, 4 or 6; got 5"),
     ({"axles": 2, "like": "coach"}, "like must be bogie for 2 axles"),
@@ -404,8 +404,8 @@ def test_a_message_names_the_file(tmp_path: Path) -> None:
     path.write_text("tare = 44 t\n")
     with pytest.raises(FileError, match=r"mine\.toml must be TOML"):
         bb.read_vehicle(path)
-    path.write_text("tara = '44 t'\n")
-    with pytest.raises(FileError, match=r"mine\.toml: 'tara' is not a known entry"):
+    path.write_text("tarre = '44 t'\n")
+    with pytest.raises(FileError, match=r"mine\.toml: 'tarre' is not a known entry"):
         bb.read_vehicle(path)
 
 

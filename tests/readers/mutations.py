@@ -59,9 +59,11 @@ LINES = (
     "-7.30000000000000071,0.00123456789012345678,-0.012345678901234567,1.2345678901234567e-05,3.1e-23\n"
     "0.1234567890123456789,1.2345678901234567e-07,4.9406564584124654e-324,-9007199254740993e-18,+.05\n"
     "1.0000000000000002220446049250313,1e-22,123456789012345678901e-24,0.3333333333333333148296162562474,\u22121e-9\n",
+    "Laufweg [km];Krümmung [1/km];ÜBERHÖHUNG [mm];Déclivité [\u2030]\n0;0;0;5\n0,05;2;100;5\n",
 )
 CONSISTS = (
     "kind,count,load,position\nlocomotive,1,,G\nwagon,3,40,P\n",
+    "Fahrzeugart;nombre;Länge;Bremshundertstel\nlocomotive;1;19;120\nwagon;20;15,5;65\n",
     "Kind;Count;mass [kg];length;lambda\r\nlocomotive;;84000;;\r\nwagon;12;80000,5;12,5;65\r\n;;;;\r\n",
     'kind\tcount\tvalve\tdelay [ms]\n"locomotive"\t1\thead\t\ncoach\t5\t\t\nlocomotive\t1\tsecond\t1500\n',
 )

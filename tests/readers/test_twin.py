@@ -9,6 +9,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from unicodedata import normalize
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from fmu_src.codegen import RUNTIME
 from fmu_src.table_file import table_file_source
 from rbd_model.track.line import NAMES, read_line
 from rbd_model.track.line_table import LARGEST_TURN, LINE
+from readers.column_words import COLUMN_WORDS, plain
 from readers.text import FileError
 from readers.units import SPELLINGS, factor, twins_of
 from tests.fmu_src.fmi.sanitized import SANITIZERS
@@ -75,6 +77,11 @@ def read_in_python(path: Path) -> Found:
     return np.column_stack([rows.get(name, np.zeros(rows["distance"].size)) for name in NAMES])
 
 
+def composed_not(word: str) -> str:
+    """Return a word whose letters have their marks behind them."""
+    return normalize("NFD", word)
+
+
 def check_twins(host: Path, paths: Sequence[Path]) -> int:
     """Check that both readers give the same; return how many files were read."""
     taken = 0
@@ -110,6 +117,23 @@ def numbers() -> Iterator[str]:
         whole, rest = divmod(int(digits), 2**161)
         half = f"{whole}.{rest * 10**161 // 2**161:0161d}"
         yield from (half, half + "0" * 700 + "1", half[:-1] + "0" + "9" * 700, half[:19], half[:25])
+
+
+def test_german_and_french_names_are_read_alike(host: Path, folder: Path) -> None:
+    """As people write them: in capitals, composed or not, in Windows-1252, with two letters for an umlaut."""
+    paths, wrong = list[Path](), 0
+    for column in NAMES:
+        for word in (word for words in COLUMN_WORDS[column] for word in words):
+            right = {form(one) for one in (word, word.upper()) for form in (str, composed_not, plain)}
+            for name in (*right, f"{word}x"):
+                names = [name if one == column else one for one in dict.fromkeys((*NAMES[:4], column))]
+                zeros = ";0" * (len(names) - 1)
+                text = f"{';'.join(names)}\n0{zeros}\n1{zeros}\n"
+                for encoding in ("utf-8", "cp1252") if name.isascii() or name in (word, word.upper()) else ("utf-8",):
+                    paths.append(folder / f"words{len(paths)}.csv")
+                    paths[-1].write_bytes(text.encode(encoding))
+                    wrong += name not in right
+    assert check_twins(host, paths) == len(paths) - wrong
 
 
 @pytest.mark.study
