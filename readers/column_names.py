@@ -60,7 +60,8 @@ def layout_of(
             raise TableError(
                 f"{place}: the column {shown(column.name)} must be there once; it is there twice. Remove one."
             )
-        found[tidy(column.name)] = Place(at, column, unit_factor(column, unit, place))
+        word = "" if tidy(name) == tidy(column.name) else name
+        found[tidy(column.name)] = Place(at, column, unit_factor(column, unit, place), word)
     missing = [column.name for key, column in known.items() if column.required and key not in found]
     if missing:
         there = ", ".join(one.column.name for one in found.values()) or "none"

@@ -74,11 +74,15 @@ class Column:
 
 @dataclass(frozen=True)
 class Place:
-    """A column of the file: its place in a row, its definition, the factor to its unit."""
+    """A column of the file: its place in a row, its definition, the factor to its unit.
+
+    word: its name in the file if that is German or French.
+    """
 
     at: int
     column: Column
     factor: tuple[float, float] = (1.0, 1.0)
+    word: str = ""
 
     def converted(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return values of the file in the column's unit."""

@@ -3,7 +3,7 @@
 A table is text with rows. Columns are separated by tabs, semicolons or commas, and by blanks if the first row has
 numbers. Numbers have a decimal point or, unless commas separate columns, a decimal comma; a file has one of the two. A
 name may carry its unit, `cant [mm]` or `cant (mm)`, which is converted. Names are not case-sensitive; underscores,
-blanks and hyphens are equal in them. Empty rows, rows of separators alone and remarks (`#`, `%`, `!`, `//`) are
+blanks and hyphens are equal in them. German and French names are in `column_words.py`. Empty rows, rows of separators alone and remarks (`#`, `%`, `!`, `//`) are
 ignored. A cell may be in quotes. `fmu_src/runtime/table_file.c` is the twin of this module in C.
 """
 
@@ -57,6 +57,8 @@ class Table:
         Unit of each column of numbers.
     places : array of int, shape (rows,)
         Number of each row as an editor or a spreadsheet shows it.
+    meant : list of str
+        A sentence about each column with a German or French name.
     """
 
     source: str
@@ -64,6 +66,7 @@ class Table:
     words: dict[str, list[str]]
     units: dict[str, str]
     places: NDArray[np.int64] = field(repr=False)
+    meant: list[str] = field(default_factory=list)
 
     def converted(self, name: str, unit: str) -> NDArray[np.float64]:
         """Return a column of numbers in another unit."""
@@ -222,6 +225,10 @@ def separator_of_numbers(rows: Sequence[str]) -> str | None:
     return None
 
 
+def _meant(layout: Sequence[Place]) -> list[str]:
+    return [f"column {quoted(one.word)} is read as {one.column.name}" for one in layout if one.word]
+
+
 @dataclass(frozen=True)
 class TableRows:
     """The rows after the names."""
@@ -257,7 +264,7 @@ class TableRows:
         if not all(one.allows(numbers[one.column.name]) for one in layout):
             return None
         units = {one.column.name: one.column.unit for one in layout}
-        return Table(self.source, numbers, {}, units, np.array(places) + 1)
+        return Table(self.source, numbers, {}, units, np.array(places) + 1, _meant(layout))
 
     def _plain_block(self, lines: Sequence[str]) -> tuple[NDArray[np.float64] | None, str]:
         """Return the values of rows and their decimal mark; None if a cell is not a plain number."""
@@ -290,7 +297,7 @@ class TableRows:
                 numbers[one.column.name] = cells_of_column.numbers(texts, mark)
                 units[one.column.name] = one.column.unit
         mark.check_thousands(self.separator)
-        return Table(self.source, numbers, words, units, places)
+        return Table(self.source, numbers, words, units, places, _meant(layout))
 
     def _check_names(self, layout: Sequence[Place], body: Sequence[tuple[int, list[str]]]) -> None:
         named = {one.at for one in layout}

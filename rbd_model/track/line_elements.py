@@ -75,7 +75,8 @@ def line_from_elements(path: str | Path, profile: str | Path | None = None, star
     begin = start if start is not None else (0.0 if points is None else float(points.numbers["chainage"][0]))
     curvature, cant = _in_plan(table, begin)
     end = curvature[-1].end
-    account = Account(taken=[f"{len(curvature)} elements of {table.source}, {end - begin:.3f} m in plan"])
+    account = Account([f"{len(curvature)} elements of {table.source}, {end - begin:.3f} m in plan"], [*table.meant])
+    account.converted += [] if points is None else points.meant
     gradient = [] if points is None else _gradients(points, begin, end, account)
     account.assumed += _adverse(table)
     if points is None:

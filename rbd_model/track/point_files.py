@@ -29,8 +29,8 @@ CLOSEST, WIDEST, WIDEST_IN_DEGREES = 0.01, 100.0, 1000.0
 LARGEST_GAP, GAP, GAP_TIMES = 10_000.0, 300.0, 10.0
 #: Names of both coordinates in plan, and of the height, each with others that people use.
 EAST, NORTH, HEIGHT = ("x", "easting"), ("y", "northing"), ("z", "height", "ele", "elevation", "alt", "altitude")
-LATITUDES = ("latitude", "lat", "breitengrad")
-LONGITUDES = ("longitude", "lon", "lng", "long", "laengengrad", "l\u00e4ngengrad")
+LATITUDES = ("latitude", "lat")
+LONGITUDES = ("longitude", "lon", "lng", "long")
 COLUMNS = (
     *(Column(name, "m", -FARTHEST, FARTHEST) for name in (*EAST, *NORTH, *HEIGHT)),
     *(Column(name, "deg", -LATITUDE, LATITUDE) for name in LATITUDES),
@@ -85,7 +85,7 @@ def _from_file(path: str | Path) -> Points:
     first, second = (columns[name] for name in found[0])
     height = columns[heights[0]] if heights else None
     left = [f"columns {', '.join(shown(name) for name in table.words)}: they are not used"] if table.words else []
-    account = Account(left=left)
+    account = Account(converted=list(table.meant), left=left)
     if found[0][0] in EAST:
         points = Points(str(path), np.column_stack([first, second]), height, table.places, account)
         return _checked(points, FileError)

@@ -19,7 +19,7 @@ from rbd_model.track.irregularity import COLUMNS as IRREGULAR
 from rbd_model.track.irregularity import track_from_file
 from rbd_model.track.line import read_line
 from rbd_model.track.line_elements import ELEMENTS, PROFILE
-from rbd_model.track.line_files import line_from_file
+from rbd_model.track.line_files import account_of, line_from_file
 from rbd_model.track.line_table import LINE
 from rbd_model.track.point_files import COLUMNS as POINTS
 from readers.column_words import COLUMN_WORDS, column_meant, plain, words_of
@@ -163,6 +163,7 @@ def test_elements_points_and_measured_tracks_have_the_words_too(tmp_path: Path) 
     path = tmp_path / "table.csv"
     path.write_text("Typ;Länge;Halbmesser;Überhöhung [mm]\nstraight;100;;\ntransition;60;;\narc;200;600;100\n")
     elements = line_from_file(path)
+    assert "column 'Halbmesser' is read as radius" in account_of(elements).converted
     path.write_text("type;length;radius;cant [mm]\nstraight;100;;\ntransition;60;;\narc;200;600;100\n")
     for name, values in line_from_file(path).rows.items():
         np.testing.assert_array_equal(elements.rows[name], values)
