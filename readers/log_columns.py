@@ -132,7 +132,7 @@ class Naming:
         own = {one.slot for one in mapped}
         exact = [one for head in heads if head.at not in taken for one in self._exact(head) if one.slot not in own]
         self._check_once(exact)
-        taken |= {one.head.at for one in exact}
+        taken |= {head.at for head in heads if self._exact(head)}  # also if a map gives its variable to another one
         own |= {one.slot for one in exact}
         rest = {name: unit for name, unit in self.variables.items() if name not in own}
         timed = {name: unit for name, unit in rest.items() if name != "time"}
@@ -226,7 +226,7 @@ class Naming:
     def _check_once(self, found: Sequence[LogColumn]) -> None:
         for one in found:
             same = [other.head.cell for other in found if other.slot == one.slot]
-            if len(same) > 1 and not one.guessed:
+            if len(same) > len(set(same)) and not one.guessed:
                 raise TableError(
                     f"{self.place}: the column {shown(one.variable)} must be there once; it is there twice. Remove one."
                 )

@@ -3,8 +3,9 @@
 A table is text with rows. Columns are separated by tabs, semicolons or commas, and by blanks if the first row has
 numbers. Numbers have a decimal point or, unless commas separate columns, a decimal comma; a file has one of the two. A
 name may carry its unit, `cant [mm]` or `cant (mm)`, which is converted. Names are not case-sensitive; underscores,
-blanks and hyphens are equal in them. German and French names are in `column_words.py`. Empty rows, rows of separators alone and remarks (`#`, `%`, `!`, `//`) are
-ignored. A cell may be in quotes. `fmu_src/runtime/table_file.c` is the twin of this module in C.
+blanks and hyphens are equal in them. German and French names are those of `column_words.py`. Empty rows, rows of
+separators alone and remarks (`#`, `%`, `!`, `//`) are ignored. A cell may be in quotes.
+`fmu_src/runtime/table_file.c` is the twin of this module in C.
 """
 
 from __future__ import annotations

@@ -60,7 +60,7 @@ def _of_group(file: Any, number: int, group: Any, path: tuple[str, ...]) -> Iter
     _check_places(group)
     rows = int(group.channel_group.cycles_nr)
     master = file.masters_db.get(number)
-    if master is not None:
+    if master is not None or getattr(group.channel_group, "cg_master_index", None) is not None:
         yield RawColumn(TIME, "s", rows, partial(_times, file, number), path)
     for index, channel in enumerate(group.channels):
         if index != master:

@@ -95,11 +95,25 @@ def test_groups_of_an_mdf_keep_their_own_samples(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("version", "end"), [("2.14", ".dat"), ("3.30", ".mdf"), ("4.20", ".mf4")])
 def test_versions_of_mdf_give_the_same_numbers(version: str, end: str, tmp_path: Path) -> None:
-    with asammdf.MDF(version=version) as mdf:
+    with asammdf.MDF(version=version, column_storage=True) as mdf:  # 4.20: each channel in a group of its own
         mdf.append([asammdf.Signal(SPEED, TIME, name="speed", unit="m/s")])
         place = mdf.save(tmp_path / f"run{end}")
     place = place.rename(place.with_suffix(end))
     np.testing.assert_array_equal(read_log(place, COMMON).numbers["speed"], SPEED)
+
+
+def test_a_name_in_several_groups_is_chosen_by_its_group(tmp_path: Path) -> None:
+    path = tmp_path / "run.mf4"
+    with asammdf.MDF(version="4.10") as mdf:
+        for name, offset in (("GPS", 0.0), ("MVB", 1.0)):
+            mdf.append(asammdf.Signal(SPEED + offset, TIME, name="speed", unit="m/s"), acq_source=None, comment=name)
+        mdf.save(path)
+    with pytest.raises(FileError, match=r'can both be speed\. Name one in a map .*: "GPS/speed" = "speed"'):
+        read_log(path, COMMON)
+    assert read_log(path, COMMON, {"MVB/speed": "speed"}).numbers["speed"][0] == SPEED[0] + 1.0
+    both = read_log(path, {}, others=True)
+    assert list(both.numbers) == ["time", "GPS/speed", "MVB/speed"]
+    assert not any("without values" in one for one in both.messages)
 
 
 def test_a_dat_that_is_no_mdf_is_text(tmp_path: Path) -> None:

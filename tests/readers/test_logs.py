@@ -161,6 +161,11 @@ def test_columns_get_names_and_units_of_variables(text: str, columns: object, ex
             "must have the keys name, unit, diameter, missing; got factor.",
         ),
         ("0,1\n1,2\n", None, "row 1: the first row must have names; got '0'."),
+        (
+            "time,x [m],x [km]\n0,1,1\n1,2,2\n",
+            {"x [m]": "distance", "x [km]": "distance"},
+            "columns: distance must be named once; it is named 2 times.",
+        ),
         ("date,speed\n0,1\n1,2\n", None, "row 1: the column time is missing; there are 'date, speed'."),
     ],
 )
@@ -168,6 +173,14 @@ def test_an_unclear_log_is_refused_with_the_remedy(text: str, columns: object, s
     log.write_text(text)
     with pytest.raises(TableError, match=re.escape(said)):
         read_log(log, VARIABLES, columns)
+
+
+def test_columns_of_one_name_are_not_one_column(log: Path) -> None:
+    log.write_text("time,load [t],load [kN]\n0,1,2\n1,1,2\n")
+    assert list(read_log(log, {}, others=True).numbers) == ["time", "load [t]", "load [kN]"]
+    log.write_text("time,load,load\n0,1,2\n1,1,2\n")
+    with pytest.raises(TableError, match="the column load must be there once; it is there twice"):
+        read_log(log, {}, others=True)
 
 
 def test_all_that_is_left_out_or_assumed_is_told(log: Path) -> None:
