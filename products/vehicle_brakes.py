@@ -73,8 +73,8 @@ ENTRY_OF_COLUMN = {
     "friction_value": "friction",
     "fill_time": "application_time",
 }
-#: Columns of consists that state the same as an entry: not their shoes, which are those of a vehicle, and not their
-#: friction_radius, which is a ratio.
+#: Columns of consists that state the same as an entry. `shoes` counts those of a vehicle there, and `friction_radius` is
+#: a ratio.
 OF_CONSISTS = {*ENTRY_OF_COLUMN, *(BRAKE_ENTRIES.keys() & NUMBERS.keys())} - {"shoes", "friction_radius"}
 #: Entries of the rigging, which only cylinder data use, and those of one kind of brake alone.
 OF_RIGGING = ("rigging_efficiency", "return_force")
@@ -100,7 +100,7 @@ class SheetBrake:
 
 
 def with_entry_names(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the table [brake] of a file with the names of its entries in place of those of consists, in any language.
+    """Return the table [brake] of a file with the names of its entries instead of those of consists, in any language.
 
     Raises ValueError.
     """

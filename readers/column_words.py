@@ -1,15 +1,10 @@
 """German and French names of columns and entries, one table for all readers.
 
 The words are those of UIC 530, 540 and 544-1, of DIN EN 13803, 14531-1 and 15663, and of data sheets. Only words of the
-same quantity are here. These are left out:
-
-* Bremsgewicht, masse freinée: masses, not percentages
-* Tara in consists, whose `mass` includes the load
-* Gefälle, pente: positive downwards
-* Radius and rayon in lines, whose column is a curvature
-* Reibwert in lines and tracks, whose column is a factor on the friction
-* Kilometrierung, point kilométrique: kilometres, where a column without a unit has metres
-* Gesamtachsstand: not that of a bogie
+same quantity are here. Bremsgewicht and masse freinée are left out, because they are masses and not percentages. So is
+Tara in consists, whose `mass` includes the load. Gefälle and pente are positive downwards. The radius of a line is no
+column, because its column is a curvature. Neither is a Reibwert of lines and tracks, whose column is a factor on the
+friction. Kilometrierung and point kilométrique are in kilometres, and columns without a unit in metres.
 """
 
 from __future__ import annotations
@@ -142,7 +137,7 @@ COLUMN_WORDS: dict[str, Words] = {
     for device, of_device in _DEVICES.items()
     for curve, of_curve in _CURVES.items()
 }
-#: What is stated by words that look like those of a column.
+#: Remedies for words that look like those of a column.
 FALSE_FRIENDS = {
     "bremsgewicht": "A brake weight must be a percentage here, of the mass: Bremshundertstel.",
     "masse_freinee": "A braked mass must be a percentage here, of the mass: pourcentage de freinage.",
@@ -182,7 +177,7 @@ def column_meant(name: str, known: Collection[str]) -> str | None:
 
 
 def with_columns(table: Mapping[str, Any], known: Collection[str]) -> dict[str, Any]:
-    """Return a table with the names of columns in place of German and French ones.
+    """Return a table with the names of columns instead of German and French ones.
 
     Raises ValueError if a column is named twice.
     """
@@ -198,5 +193,5 @@ def with_columns(table: Mapping[str, Any], known: Collection[str]) -> dict[str, 
 
 
 def false_friend(name: str) -> str:
-    """Return a sentence about a name that looks like that of a column, or nothing."""
+    """Return the remedy for a name that looks like that of a column, or nothing."""
     return FALSE_FRIENDS.get(plain(name), "")

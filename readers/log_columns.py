@@ -78,7 +78,7 @@ class LogColumn:
 
     @property
     def slot(self) -> object:
-        """What one column alone may be: a variable, or the time of a base."""
+        """The variable, or the time of a base: one column alone may have it."""
         return (self.variable, self.head.base) if self.variable == "time" else self.variable
 
 

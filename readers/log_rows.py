@@ -174,7 +174,7 @@ def check_speeds(log: Log) -> Log:
 
 
 def _continued(time: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return values with those of lines between them where there are none."""
+    """Return values, those that are missing on lines between their neighbours."""
     there = np.isfinite(values)
     return np.interp(time, time[there], values[there]) if np.any(there) else values
 

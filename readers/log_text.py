@@ -111,7 +111,7 @@ class TextRows:
 
     @classmethod
     def of(cls, begin: Begin, columns: Sequence[LogColumn]) -> TextRows:
-        """Return the rows behind the names. Raises TableError."""
+        """Return the rows after the names. Raises TableError."""
         width = len(begin.cells)
         nameless = {at for at, cell in enumerate(begin.cells) if at and not cell}  # the first may number the rows
         places: list[int] = []

@@ -3,7 +3,7 @@
 A log is a table as a logger writes it: text (`log_text.py`), or a binary file (`log_arrays.py`, `formats/logs.py`). Its
 columns get names of variables by a map, or by names and units that loggers use (`log_columns.py`); times may be those
 of a clock (`log_times.py`). Text, empty columns and columns of other names are left out. Empty cells, `NaN` and numbers
-such as -999 that stand for a missing value are NaN. A message tells each guess, each conversion that is not plain, and
+such as -999 that stand for a missing value are NaN. A message reports each guess, each conversion that is not plain, and
 all that is left out.
 """
 

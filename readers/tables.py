@@ -59,7 +59,7 @@ class Table:
     places : array of int, shape (rows,)
         Number of each row as an editor or a spreadsheet shows it.
     meant : list of str
-        A sentence about each column with a German or French name.
+        What was read as what, of columns with a German or French name.
     """
 
     source: str

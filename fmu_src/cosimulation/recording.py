@@ -173,7 +173,7 @@ class Recording(FormerNames):
         path : str or Path
             Its end is .csv, .parquet, .mat (MATLAB), .mf4 (MDF) or .h5 (HDF5). All digits are kept.
         metadata : mapping of str to str, optional
-            Texts about the table by name, such as its version: remarks in a CSV, metadata in other formats.
+            Strings that describe the table, by name: remarks in a CSV, metadata in other formats.
 
         Returns
         -------

@@ -1,9 +1,9 @@
-"""Columns of files that have trees: groups or structs, arrays with their units, texts.
+"""Columns of files that have trees: groups or structs, arrays with their units, strings.
 
-A struct with an array named data or values is a signal, named by its text name or label, else by its own name, in the
-unit of its text unit or units; a time in it is its own. Other structs are groups. `units` and `names` in a group are
-structs with a text for each array; `speed_unit` beside `speed` is a text too. A matrix with a row for each time is as
-many columns, numbered from 1.
+A struct with an array named data or values is a signal. Its name is its string `name` or `label`, otherwise that of the
+struct, and its unit is its string `unit`. A time in it is its own. Other structs are groups. In a group `units` and
+`names` are structs with a string for each array, and `speed_unit` beside `speed` is a string too. A matrix with a row
+for each time is read as its columns, numbered from 1.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Leaf:
     unusable: str = ""
 
 
-#: A node: a group, an array, or a text.
+#: A node: a group, an array, or a string.
 Node = Mapping[str, Any] | Leaf | str
 
 

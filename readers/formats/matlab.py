@@ -42,7 +42,7 @@ def _name_of(name: str, value: Any) -> str:
 
 
 def _node(name: str, value: Any) -> Any:
-    """Return a node of a tree; None for what MATLAB adds."""
+    """Return a node of a tree; None for the header that MATLAB adds."""
     if name.startswith("__"):
         return None
     if isinstance(value, MatlabOpaque | MatlabFunction) or issparse(value):

@@ -43,11 +43,11 @@ def write_columns(
     path : Path
         Its end is one of ENDS.
     columns : mapping of str to sequence, shape (rows,)
-        Numbers, NaN or None where there is none; texts where `units` does not have the name, in CSV and Parquet alone.
+        Numbers; a missing one is NaN or None. Strings if `units` does not have the name, in CSV and Parquet alone.
     units : mapping of str to str
         Unit of each column of numbers, by name.
     metadata : mapping of str to str, optional
-        Texts about the table by name: remarks above the names of a CSV, metadata of the file in other formats.
+        Strings that describe the table, by name: remarks in a CSV, metadata in other formats.
 
     Returns
     -------

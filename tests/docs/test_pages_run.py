@@ -38,7 +38,10 @@ KINDS = UNTESTED | {"python", "sh", "diff", "text", "c", "toml", "pascal"}
 #: Programs that the commands of a block may call.
 PROGRAMS = {"python", "make", "cc", "c++", "./host"}
 #: Packages that a page needs but an installation may lack, and the extra that installs them.
-EXTRAS = {"docs/hosts/ecos-and-libcosim.md": ("masters", ("ecospy", "libcosimpy"))}
+EXTRAS = {
+    "docs/hosts/ecos-and-libcosim.md": ("masters", ("ecospy", "libcosimpy")),
+    "docs/calibrate.md": ("formats", ("asammdf",)),
+}
 #: Commands that install, or run all tests, and their replacements in every run.
 DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test")}
 #: FMUs that `make demo` builds, and their files.
