@@ -73,8 +73,7 @@ ENTRY_OF_COLUMN = {
     "friction_value": "friction",
     "fill_time": "application_time",
 }
-#: Columns of consists that state the same as an entry. `shoes` counts those of a vehicle there, and `friction_radius` is
-#: a ratio.
+#: Columns of consists that state the same as an entry. There `shoes` are those of a vehicle, `friction_radius` a ratio.
 OF_CONSISTS = {*ENTRY_OF_COLUMN, *(BRAKE_ENTRIES.keys() & NUMBERS.keys())} - {"shoes", "friction_radius"}
 #: Entries of the rigging, which only cylinder data use, and those of one kind of brake alone.
 OF_RIGGING = ("rigging_efficiency", "return_force")

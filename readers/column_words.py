@@ -2,9 +2,9 @@
 
 The words are those of UIC 530, 540 and 544-1, of DIN EN 13803, 14531-1 and 15663, and of data sheets. Only words of the
 same quantity are here. Bremsgewicht and masse freinée are left out, because they are masses and not percentages. So is
-Tara in consists, whose `mass` includes the load. Gefälle and pente are positive downwards. The radius of a line is no
-column, because its column is a curvature. Neither is a Reibwert of lines and tracks, whose column is a factor on the
-friction. Kilometrierung and point kilométrique are in kilometres, and columns without a unit in metres.
+Tara in consists, whose `mass` includes the load. Gefälle and pente are positive downwards. Lines have a curvature and
+not a radius. Lines and tracks have a factor on the friction and not a Reibwert. Kilometrierung and point kilométrique
+are in kilometres, and columns without a unit in metres.
 """
 
 from __future__ import annotations

@@ -95,7 +95,7 @@ class ArrayLog:
             if column.variable != "time":
                 found.setdefault(self._time_of(column.head, times), []).append(column)
         used = found or {time: [] for time in times[:1]}
-        return [self._rows([time, *others]) for time, others in used.items()]
+        return [self.rows([time, *others]) for time, others in used.items()]
 
     def _time_of(self, head: Head, times: Sequence[LogColumn]) -> LogColumn:
         if (found := time_of(head, times)) is not None:
@@ -107,7 +107,8 @@ class ArrayLog:
             "false."
         )
 
-    def _rows(self, columns: Sequence[LogColumn]) -> ArrayRows:
+    def rows(self, columns: Sequence[LogColumn]) -> ArrayRows:
+        """Return the rows of columns that have as many. Raises TableError, FileError."""
         size = columns[0].head.base[1]
         if size > MOST_ROWS or size * len(columns) > MOST_VALUES:
             limit = f"{MOST_ROWS} rows and {MOST_VALUES} values"

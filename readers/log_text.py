@@ -38,7 +38,11 @@ class TextLog:
 
     def bases(self, columns: Sequence[LogColumn]) -> list[TextRows]:
         """Return the rows, all on one time. Raises TableError."""
-        return [TextRows.of(self._begin, columns)]
+        return [self.rows(columns)]
+
+    def rows(self, columns: Sequence[LogColumn]) -> TextRows:
+        """Return the rows. Raises TableError."""
+        return TextRows.of(self._begin, columns)
 
 
 def _heads(begin: Begin, by_position: Sequence[str]) -> tuple[list[Head], Begin, int]:

@@ -3,8 +3,8 @@
 A log is a table as a logger writes it: text (`log_text.py`), or a binary file (`log_arrays.py`, `formats/logs.py`). Its
 columns get names of variables by a map, or by names and units that loggers use (`log_columns.py`); times may be those
 of a clock (`log_times.py`). Text, empty columns and columns of other names are left out. Empty cells, `NaN` and numbers
-such as -999 that stand for a missing value are NaN. A message reports each guess, each conversion that is not plain, and
-all that is left out.
+such as -999 that stand for a missing value are NaN. A message reports each guess, each conversion that is not plain,
+and all that is left out.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ from readers.text import quoted, shown
 SENTINELS = (-999.0, 999.0, -9999.0, 9999.0, -99999.0, 99999.0, -32768.0, 32767.0, 65535.0)
 #: Their least distance from the other values, in spans of these.
 FAR = 1.0
+#: Reason for which a column of numbers is not used.
+EMPTY = "no values"
 #: Fewest other values by which a positive number is found to stand for a missing one.
 MANY = 10
 
@@ -70,6 +72,9 @@ class LogSource(Protocol):
     def bases(self, columns: Sequence[LogColumn]) -> Sequence[LogRows]:
         """Return the rows of each time with columns that are used."""
 
+    def rows(self, columns: Sequence[LogColumn]) -> LogRows:
+        """Return the rows of columns that have as many."""
+
 
 def read_log(
     path: str | Path,
@@ -85,6 +90,22 @@ def read_log(
     """
     with opened_log(Path(path), by_position) as source:
         return log_of(source, {"time": "s"} | dict(variables), columns, others, by_position)
+
+
+def read_columns(path: str | Path) -> Log:
+    """Return all columns of numbers of a file as they are, in its own units; a table needs no time, and no order."""
+    with opened_log(Path(path)) as source:
+        empty = [head for head in source.heads if source.unusable.get(head.at) == EMPTY and head.unit]
+        kept = [head for head in source.heads if head.at not in source.unusable or head in empty]
+        if len({head.base[1] for head in kept}) != 1:
+            got = ", ".join(f"{quoted(head.cell)} with {head.base[1]}" for head in kept[:4]) or "none"
+            raise TableError(f"{path} must have columns of numbers with as many values each; got {got}.")
+        columns = _unnamed(kept, [], source.place)
+        rows = source.rows(columns)
+        numbers = {one.variable: rows.numbers(one, one.unit) for one in columns}
+        rows.check()
+        messages = _left_out(source.source, source.heads, {head.at for head in kept}, set(), source.unusable)
+        return Log(str(path), numbers, {one.variable: one.unit for one in columns}, rows.places, messages)
 
 
 def log_of(
@@ -120,10 +141,12 @@ def _told(head: Head, unusable: Mapping[int, str]) -> str:
 def _unnamed(rest: Sequence[Head], found: Sequence[LogColumn], place: str) -> list[LogColumn]:
     """Return columns that keep their names, with those of their groups where a name is repeated. Raises TableError."""
     taken = [one.variable for one in found] + [head.name for head in rest]
-    names = [head.cell if taken.count(head.name) > 1 else head.name for head in rest]
+    paths = [head.base[0] if taken.count(head.name) > 1 else () for head in rest]
+    names = ["/".join([*path, head.name]) for path, head in zip(paths, rest, strict=True)]
     for name in names:
         if taken.count(name) > 1 or names.count(name) > 1:
-            raise TableError(f"{place}: the column {shown(name)} must be there once; it is there twice. Remove one.")
+            remedy = "Give each another name in a map (--columns, columns=)."
+            raise TableError(f"{place}: the column {shown(name)} must be there once; it is there twice. {remedy}")
     return [LogColumn(head, name, head.unit or "1") for head, name in zip(rest, names, strict=True)]
 
 

@@ -59,7 +59,7 @@ class Table:
     places : array of int, shape (rows,)
         Number of each row as an editor or a spreadsheet shows it.
     meant : list of str
-        What was read as what, of columns with a German or French name.
+        The readings of columns with a German or French name, for an account.
     """
 
     source: str

@@ -12,6 +12,7 @@ import numpy as np
 from fmu_src.suggestion import suggestion
 from readers.extras import named_extras
 from readers.formats.table_files import write_columns
+from readers.logs import read_columns
 from readers.renamed import FormerNames
 
 if TYPE_CHECKING:
@@ -190,6 +191,30 @@ class Recording(FormerNames):
             If the file cannot be written.
         """
         return write_columns(Path(path), self._columns, self.units, metadata)
+
+    @classmethod
+    def read(cls, path: str | Path) -> Recording:
+        """Return a table as `write` and sweeps write it: all columns of numbers, in the units of the file.
+
+        Parameters
+        ----------
+        path : str or Path
+            A file of text, or one whose name ends as those of `write`. Logs of others need `measured_from`.
+
+        Returns
+        -------
+        Recording
+            The table; a message names columns of text, which are left out.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be read.
+        MissingExtraError
+            If the package of the format is not installed.
+        """
+        table = read_columns(path)
+        return cls(table.units, np.column_stack(list(table.numbers.values())), table.messages)
 
     def to_pandas(self) -> Any:
         """Return a data frame.

@@ -87,7 +87,7 @@ static void tidy(const char *name, const char *end, char found[LONGEST_NAME]) {
 
 /* A name in small ASCII letters and digits, with an underscore for all between them: umlauts as two letters, other letters of
  * Latin-1 without their marks. `plain` of readers/column_words.py is its twin. */
-static void plain(const char *name, const char *end, char found[LONGEST_NAME]) {
+static void plain_name(const char *name, const char *end, char found[LONGEST_NAME]) {
     static const char BARE[] = "aaaaaa_ceeeeiiii_nooooo__uuuuy_s";
     enum { A_UMLAUT = 4, O_UMLAUT = 22, U_UMLAUT = 28, SHARP_S = 31, Y_UMLAUT = 63 };
     int length = 0;
@@ -122,7 +122,7 @@ static void plain(const char *name, const char *end, char found[LONGEST_NAME]) {
 static int column_meant(const char *name, const char *end) {
     const table_file_description *about = MODEL.table_file;
     char bare[LONGEST_NAME];
-    plain(name, end, bare);
+    plain_name(name, end, bare);
     for (int i = 0; i < about->columns; ++i)
         for (int j = 0; j < about->column[i].words; ++j)
             if (strcmp(bare, about->column[i].word[j]) == 0) return i;

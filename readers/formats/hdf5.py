@@ -123,7 +123,7 @@ def write(
     """Write each column as a dataset with the attribute units, and metadata as attributes of the file."""
     for name in columns:
         if "/" in name or name in ("", "."):
-            raise FileError(f"{path}: names of HDF5 must not have a slash; got {name!r}. Rename the column.")
+            raise FileError(f"names of HDF5 must not have a slash; got {name!r}. Rename the column.")
     with h5py.File(path, "w") as file:
         for name, text in metadata.items():
             file.attrs[name] = text

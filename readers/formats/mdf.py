@@ -106,7 +106,7 @@ def write(
 ) -> None:
     """Write a channel group with the column time as its times. Raises FileError without it."""
     if TIME not in columns or units[TIME] != "s" or not np.all(np.isfinite(np.asarray(columns[TIME], float))):
-        raise FileError(f"{path}: an MDF file must have the times of its rows, time [s]; got none. Write a .parquet.")
+        raise FileError("an MDF file must have the times of its rows, time [s]; got none. Write a .parquet.")
     times = np.asarray(columns[TIME], float)
     signals = [
         Signal(np.asarray(values, float), times, name=name, unit=units[name])

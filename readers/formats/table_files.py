@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from readers.column_names import HEAD_SQUARE
 from readers.formats.logs import FORMATS
 from readers.storage import whole_file
-from readers.text import FileError, quoted
+from readers.text import BLANK, REMARKS, FileError, quoted
 
 CSV, PARQUET = ".csv", ".parquet"
 #: Ends of names of files that are written.
@@ -68,18 +69,25 @@ def write_columns(
     texts = [name for name in columns if name not in units]
     if texts and end not in (CSV, PARQUET):
         raise FileError(f"{path}: columns must have numbers and a unit; got {quoted(texts[0])}. Write a .csv.")
+    write = _write_csv if end == CSV else FORMATS[end].load().write
     with whole_file(path) as partial:
-        if end == CSV:
-            _write_csv(partial, columns, units, about)
-        else:
-            FORMATS[end].load().write(partial, columns, units, about)
+        try:
+            write(partial, columns, units, about)
+        except FileError as error:
+            raise FileError(f"{path}: {error}") from None
     return path
 
 
 def _write_csv(
     path: Path, columns: Mapping[str, Sequence[Any] | np.ndarray], units: Mapping[str, str], metadata: Mapping[str, str]
 ) -> None:
-    """Write remarks, names with units, and rows; an empty cell where a value is missing."""
+    """Write remarks, names with units, and rows; an empty cell where a value is missing. Raises FileError."""
+    for name in columns:
+        match = HEAD_SQUARE.fullmatch(f"{name} [1]")
+        is_whole = match is not None and match["name"].strip(BLANK) == name
+        if not (is_whole and name and name.isprintable()) or name.startswith(REMARKS):
+            limit = "a name must be printable, without brackets, and not begin as a remark"
+            raise FileError(f"{limit}; got {quoted(name)}. Rename the column.")
     with path.open("w", newline="", encoding="utf-8") as file:
         for name, text in metadata.items():
             file.writelines(f"# {name}: {line}\n" for line in text.splitlines() or [""])

@@ -50,6 +50,17 @@ def test_a_written_run_is_read_bit_for_bit(end: str, run: Recording, tmp_path: P
     assert list(tmp_path.iterdir()) == [tmp_path / f"Lauf ü{end}"]
 
 
+@pytest.mark.parametrize("end", ENDS)
+def test_a_table_without_times_is_read_bit_for_bit(end: str, tmp_path: Path) -> None:
+    table = Recording({"share": "%", "level": "1", "stops": "m"}, [[3.0, 1.0, math.nan], [1.0, 1.0, math.nan]])
+    if end == ".mf4":
+        table.add("time", "s", np.array([0.0, 1.0]))
+    read = Recording.read(table.write(tmp_path / f"table{end}"))
+    assert read.units == table.units
+    for name in table.names:
+        np.testing.assert_array_equal(read[name], table[name])
+
+
 def test_provenance_is_where_other_programs_show_it(run: Recording, tmp_path: Path) -> None:
     from scipy.io import loadmat
 
@@ -356,10 +367,13 @@ def test_wheels_of_two_messages_of_a_bus_are_replayed(tmp_path: Path) -> None:
 def test_a_table_has_a_place_in_its_format(run: Recording, tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r"run.xls must end in one of .csv, .parquet, .mat, .mf4, .h5; got '.xls'"):
         run.write(tmp_path / "run.xls")
-    with pytest.raises(FileError, match="an MDF file must have the times of its rows"):
+    with pytest.raises(FileError, match=r"run\.mf4: an MDF file must have the times of its rows"):
         Recording({"x": "m"}, [[1.0]]).write(tmp_path / "run.mf4")
     with pytest.raises(FileError, match="names of HDF5 must not have a slash; got 'a/b'"):
         Recording({"a/b": "m"}, [[1.0]]).write(tmp_path / "run.h5")
+    for name in ("a [b]", "# a", "a\nb", " a", ""):
+        with pytest.raises(FileError, match="a name must be printable, without brackets, and not begin as a remark"):
+            Recording({name: "m"}, [[1.0]]).write(tmp_path / "run.csv")
     assert list(tmp_path.iterdir()) == []
 
 

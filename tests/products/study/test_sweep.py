@@ -11,11 +11,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from bogie_braking.__main__ import main
 from bogie_braking.reporting.scenario import Options
 from evidence.numerics.levels import one_stop as stop_of_levels
+from fmu_src.cosimulation.recording import Recording
 from products.study.grid import evenly_spaced
 from products.study.points import sources as sources_of_points
 from products.study.table import FILES
@@ -76,6 +78,11 @@ def test_parquet_is_the_csv_with_units_in_its_fields(tmp_path: Path) -> None:
         **{"y": b"s", "product": b"m.s", "ratio": b"m/s"},
         "failure": None,
     }
+    both = [Recording.read(tmp_path / "sweep-cheap" / name) for name in FILES[:2]]
+    for read in both:
+        assert read.units == {"y": "s", "product": "m.s", "ratio": "m/s"}
+        assert "left out 'failure'" in read.messages[0]
+        np.testing.assert_array_equal(read["ratio"], both[0]["ratio"])
     columns = [[("" if v is None else repr(v)) for v in column] for column in table.to_pydict().values()]
     assert [list(row) for row in zip(*columns, strict=True)] == rows(tmp_path / "sweep-cheap")[1:]
 
