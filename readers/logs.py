@@ -98,8 +98,10 @@ def read_columns(path: str | Path) -> Log:
         empty = [head for head in source.heads if source.unusable.get(head.at) == EMPTY and head.unit]
         kept = [head for head in source.heads if head.at not in source.unusable or head in empty]
         if len({head.base[1] for head in kept}) != 1:
-            got = ", ".join(f"{quoted(head.cell)} with {head.base[1]}" for head in kept[:4]) or "none"
-            raise TableError(f"{path} must have columns of numbers with as many values each; got {got}.")
+            got = ", ".join(f"{head.cell} with {head.base[1]}" for head in kept) or ", ".join(
+                _told(head, source.unusable) for head in source.heads
+            )
+            raise TableError(f"{path} must have columns of numbers with as many values each; got {quoted(got, 200)}.")
         columns = _unnamed(kept, [], source.place)
         rows = source.rows(columns)
         numbers = {one.variable: rows.numbers(one, one.unit) for one in columns}

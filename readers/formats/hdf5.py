@@ -26,20 +26,21 @@ FILL, SCALE, OFFSET = ("_FillValue", "missing_value"), "scale_factor", "add_offs
 def opened(path: Path) -> Iterator[list[RawColumn]]:
     """Yield the columns of a file."""
     with h5py.File(path, "r") as file:
-        yield columns_of(_group(file, 0))
+        yield columns_of(_group(file, ()))
 
 
-def _group(group: Any, depth: int) -> dict[str, Any]:
-    """Return the groups and datasets of a group; links outside of the file are left out."""
+def _group(group: Any, around: tuple[Any, ...]) -> dict[str, Any]:
+    """Return the groups and datasets of a group; links to other files and to groups around it are left out."""
+    inner = (*around, group)
     if MATLAB_CLASS in group.attrs and (size := _struct_array(group)):
-        rows = [{name: _node(group.file[group[name][()].flat[at]], depth + 1) for name in group} for at in range(size)]
+        rows = [{name: _node(group.file[group[name][()].flat[at]], inner) for name in group} for at in range(size)]
         return {f"({number})": row for number, row in enumerate(rows, 1)}
     found = {}
     for name in group:
         is_inside = not isinstance(group.get(name, getlink=True), h5py.ExternalLink)
         node = group.get(name) if is_inside and not name.startswith(OF_MATLAB) else None
-        if isinstance(node, h5py.Dataset) or (isinstance(node, h5py.Group) and depth < DEEPEST):
-            found[name] = _node(node, depth + 1)
+        if isinstance(node, h5py.Group | h5py.Dataset) and node not in inner and len(inner) <= DEEPEST:
+            found[name] = _node(node, inner)
     return found
 
 
@@ -51,17 +52,17 @@ def _struct_array(group: Any) -> int:
     return sizes.pop() if len(sizes) == 1 and not is_cell and max(sizes) <= MOST_ELEMENTS else 0
 
 
-def _node(dataset: Any, depth: int) -> Any:
-    """Return an array, a text, or the columns of a table."""
+def _node(dataset: Any, around: tuple[Any, ...]) -> Any:
+    """Return a group, an array, a string, or the columns of a table."""
     if isinstance(dataset, h5py.Group):
-        return _group(dataset, depth)
+        return _group(dataset, around)
     kind = _text(dataset.attrs.get(MATLAB_CLASS, ""))
     if dataset.attrs.get("MATLAB_empty", 0):
         return ""
     if kind == "char" and dataset.dtype.kind == "u" and dataset.size <= LONGEST:
         return dataset[()].tobytes().decode("utf-16-le" if dataset.dtype.itemsize == 2 else "latin-1", "replace")
     if dataset.dtype == h5py.ref_dtype:
-        return _cells(dataset, depth)
+        return _cells(dataset, around)
     if h5py.check_string_dtype(dataset.dtype) and dataset.shape == ():
         return _text(dataset[()])
     if dataset.dtype.names and len(dataset.shape) == 1:
@@ -69,11 +70,12 @@ def _node(dataset: Any, depth: int) -> Any:
     return _leaf(dataset, dataset.dtype, None)
 
 
-def _cells(dataset: Any, depth: int) -> Any:
+def _cells(dataset: Any, around: tuple[Any, ...]) -> Any:
     """Return the elements of a cell array."""
-    if dataset.size > MOST_ELEMENTS or depth >= DEEPEST:
+    if dataset.size > MOST_ELEMENTS or len(around) > DEEPEST:
         return Leaf((0,), lambda at, count: [], unusable="cell array")
-    parts = [_node(dataset.file[reference], depth + 1) for reference in dataset[()].ravel() if reference]
+    nodes = [dataset.file[reference] for reference in dataset[()].ravel() if reference]
+    parts = [_node(node, (*around, dataset)) for node in nodes if node not in around]
     return parts[0] if len(parts) == 1 else {f"({number})": part for number, part in enumerate(parts, 1)}
 
 

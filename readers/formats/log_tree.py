@@ -21,8 +21,8 @@ from readers.log_words import FAMILIES
 DATA, NAME, UNIT = ("data", "values", "value", "signal", "y"), ("name", "label", "signalname"), ("unit", "units")
 TIME = {*FAMILIES[("time",)], "x"}
 UNITS, NAMES, METADATA = "units", "names", "metadata"
-#: Most columns of a matrix, groups inside each other, and columns of a file.
-MOST_OF_MATRIX, DEEPEST, MOST = 32, 16, 100_000
+#: Most columns of a matrix, and groups inside each other.
+MOST_OF_MATRIX, DEEPEST = 32, 16
 
 
 @dataclass(frozen=True)

@@ -38,9 +38,10 @@ class LogFormat:
 
 PARQUET = LogFormat("Parquet", "pyarrow", "parquet", b"PAR1")
 MATLAB = LogFormat("a MATLAB file", "scipy", "matlab")
-MATLAB_7_3 = LogFormat("a MATLAB file", "h5py", "hdf5", b"MATLAB 7.3")
 MDF = LogFormat("MDF", "asammdf", "mdf")
 HDF5 = LogFormat("HDF5", "h5py", "hdf5", b"\x89HDF\r\n\x1a\n")
+#: Version 7.3 is HDF5 after a block of MATLAB of this length [bytes].
+MATLAB_7_3, MATLAB_BLOCK = LogFormat("a MATLAB file", "h5py", "hdf5"), 512
 #: Formats by the end of a file's name.
 FORMATS = {
     ".parquet": PARQUET,
@@ -55,7 +56,7 @@ FORMATS = {
 }
 #: Beginnings of MDF files, whole ones and those that a logger did not close.
 MDF_BEGINS = (b"MDF ", b"UnFinMF ")
-LONGEST_BEGIN = 16
+LONGEST_BEGIN = MATLAB_BLOCK + len(HDF5.begins)
 
 
 def format_of(path: Path) -> LogFormat | None:
@@ -68,7 +69,7 @@ def format_of(path: Path) -> LogFormat | None:
         if path.suffix.lower() == ".dat":
             return None
         raise _refused(path, found)
-    if found is MATLAB and begin.startswith(MATLAB_7_3.begins):
+    if found is MATLAB and begin[MATLAB_BLOCK:] == HDF5.begins:
         return MATLAB_7_3
     if not begin.startswith(found.begins) or not begin:
         raise _refused(path, found)

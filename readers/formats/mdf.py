@@ -60,13 +60,15 @@ def _of_group(file: Any, number: int, group: Any, path: tuple[str, ...]) -> Iter
     _check_places(group)
     rows = int(group.channel_group.cycles_nr)
     master = file.masters_db.get(number)
-    if master is not None or getattr(group.channel_group, "cg_master_index", None) is not None:
+    is_timed = master is not None or getattr(group.channel_group, "cg_master_index", None) is not None
+    if is_timed:
         yield RawColumn(TIME, "s", rows, partial(_times, file, number), path)
     for index, channel in enumerate(group.channels):
         if index != master:
             read = partial(_values, file, number, index)
             unit = channel.unit or getattr(channel.conversion, "unit", "") or ""
-            yield RawColumn(channel.name, str(unit), rows, read, path)
+            beside = "beside the times of its group" if is_timed and channel.name == TIME else ""
+            yield RawColumn(channel.name, str(unit), rows, read, path, beside)
 
 
 def _check_places(group: Any) -> None:
