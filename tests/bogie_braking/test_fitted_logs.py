@@ -139,6 +139,28 @@ def test_one_run_in_twelve_spellings_gives_one_fit(rows: Rows, tmp_path: Path) -
         assert one.standard_errors[DAVIS] == pytest.approx(first.standard_errors[DAVIS], rel=1e-6), name
 
 
+def test_one_run_in_binary_files_gives_one_fit(rows: Rows, tmp_path: Path) -> None:
+    """In MDF with the torque every 0.5 s: it changes linearly between its rows, so that bridging has no error."""
+    pytest.importorskip("h5py")
+    asammdf = pytest.importorskip("asammdf")
+    table = np.array(rows)
+    head, row, _ = FORMS["SI"]
+    paths = [tmp_path / "log.csv", tmp_path / "bus.mf4"]
+    paths[0].write_text(spelt(rows, head, row))
+    units = {"Zeit": "s", "v_ist": "km/h", "Bremsmoment 1": "kNm"}
+    paths += [bb.Recording(units, table * [1.0, 3.6, 1e-3]).write(tmp_path / f"log{end}") for end in (".mat", ".h5")]
+    with asammdf.MDF(version="4.10") as mdf:
+        time, speed, torque = table.T
+        rare = np.isin(np.round(10 * time), np.arange(0, 101, 5))
+        mdf.append(asammdf.Signal(3.6 * speed, time, name="v_ist", unit="km/h"))
+        mdf.append(asammdf.Signal(1e-3 * torque[rare], time[rare], name="Bremsmoment 1", unit="kNm"))
+        mdf.save(paths[1])
+    found = [bb.fit("vehicle", path, {DAVIS: 500.0}, **COACH) for path in paths]
+    for one in found[1:]:
+        assert one.values[DAVIS] == pytest.approx(found[0].values[DAVIS], rel=SAME)
+        assert one.standard_errors[DAVIS] == pytest.approx(found[0].standard_errors[DAVIS], rel=1e-6)
+
+
 def test_a_map_in_a_file_is_that_in_python(rows: Rows, tmp_path: Path) -> None:
     head, row, columns = FORMS["rpm of a wheel, by a map"]
     log, names = tmp_path / "log.csv", tmp_path / "map.toml"
