@@ -34,7 +34,7 @@ class RawColumn:
     Attributes
     ----------
     name, unit : str
-        As the file has them; unit "": none.
+        As in the file; an empty string is no unit.
     size : int
         Number of its rows.
     read : callable

@@ -73,20 +73,23 @@ def _of_group(group: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[RawCo
 
 def _of_struct(struct: Mapping[str, Any], name: str, unit: str, path: tuple[str, ...]) -> Iterator[RawColumn]:
     """Yield the columns of a signal, or of a group."""
-    keys = {key.casefold(): key for key in struct}
-    data = next((struct[keys[word]] for word in DATA if isinstance(struct.get(keys.get(word, "")), Leaf)), None)
-    about = [word for word in (*NAME, *UNIT) if _text(struct.get(keys.get(word, "")))]
-    time = next((struct[keys[word]] for word in keys if word in TIME and isinstance(struct[keys[word]], Leaf)), None)
-    if data is None or not (about or time is not None):
+    of_small = {key.casefold(): node for key, node in struct.items()}
+    arrays = {key: node for key, node in of_small.items() if isinstance(node, Leaf)}
+    strings = {key: text for key, node in of_small.items() if (text := _text(node))}
+    data = next((arrays[word] for word in DATA if word in arrays), None)
+    time = next((arrays[word] for word in arrays if word in TIME and arrays[word] is not data), None)
+    others = [
+        node for node in arrays.values() if data and node not in (data, time) and node.shape[:1] == data.shape[:1]
+    ]
+    if data is None or others or (time is None and not strings.keys() & {*NAME, *UNIT}):
         yield from _of_group(struct, (*path, name))
         return
-    told = {word: _text(struct.get(keys.get(word, ""))) for word in (*NAME, *UNIT)}
     inner = path
     if time is not None and time.shape[:1] == data.shape[:1]:
         inner = (*path, name)
         yield from _of_leaf(time, "time", "", inner)
-    label = next((told[word] for word in NAME if told[word]), name)
-    yield from _of_leaf(data, label, next((told[word] for word in UNIT if told[word]), unit), inner)
+    label = next((strings[word] for word in NAME if word in strings), name)
+    yield from _of_leaf(data, label, next((strings[word] for word in UNIT if word in strings), unit), inner)
 
 
 def _of_leaf(leaf: Leaf, name: str, unit: str, path: tuple[str, ...]) -> Iterator[RawColumn]:

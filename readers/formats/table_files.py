@@ -44,7 +44,8 @@ def write_columns(
     path : Path
         Its end is one of ENDS.
     columns : mapping of str to sequence, shape (rows,)
-        Numbers; a missing one is NaN or None. Strings if `units` does not have the name, in CSV and Parquet alone.
+        Numbers, where NaN and None mean that there is no value. A column without a unit has strings, which CSV and
+        Parquet alone can have.
     units : mapping of str to str
         Unit of each column of numbers, by name.
     metadata : mapping of str to str, optional

@@ -241,6 +241,11 @@ def test_a_matrix_has_a_column_for_each_wheelset(tmp_path: Path) -> None:
         np.testing.assert_array_equal(np.column_stack([read["wheel_speed_1"], read["wheel_speed_2"]]), wheels)
 
 
+def test_a_struct_with_more_than_one_array_is_a_group(tmp_path: Path) -> None:
+    savemat(tmp_path / "run.mat", {"run": {"t": TIME, "y": 0.0 * TIME, "speed": SPEED, "unit": "m/s"}})
+    assert list(read_log(tmp_path / "run.mat", COMMON, others=True).numbers) == ["time", "speed", "y"]
+
+
 def test_arrays_of_another_length_need_a_time_of_theirs(tmp_path: Path) -> None:
     path = tmp_path / "run.mat"
     savemat(
