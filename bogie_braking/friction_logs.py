@@ -18,6 +18,7 @@ Numbers = NDArray[np.float64]
 #: Columns of a log, and of each wheelset, with their units.
 OF_VEHICLE = {"time": "s", "speed": "m/s", "distance": "m"}
 OF_WHEELSET = {"wheel_speed": "m/s", "angular_velocity": "rad/s", "pressure": "Pa", "brake_torque": "N.m"}
+DRIVEN = ("pressure", "brake_torque")
 #: Columns of wheelsets by the names of the vehicles' variables.
 SAME_AS = {"cylinder_pressure": "pressure"}
 
@@ -61,7 +62,7 @@ def _log(
     wheel_speed, torque = (np.full((time.size, len(radii)), np.nan) for _ in range(2))
     for place, radius in enumerate(radii):
         values = {
-            stem: _column(name, table, f"{stem}_{place + 1}", unit)[kept]
+            stem: _bridged(stem, table, _column(name, table, f"{stem}_{place + 1}", unit))[kept]
             for stem, unit in OF_WHEELSET.items()
             if f"{stem}_{place + 1}" in table.names
         }
@@ -77,6 +78,11 @@ def _log(
             f"got {', '.join(table.names)}. Name these columns."
         )
     return FrictionLog(name, time, speed, distance, wheel_speed, torque)
+
+
+def _bridged(stem: str, table: Recording, values: Numbers) -> Numbers:
+    """Return a column of a wheelset; its torque or pressure, which drive it, bridged over short gaps."""
+    return bridged(table["time"], values) if stem in DRIVEN else values
 
 
 def _table(name: str, one: object, wheelsets: int, columns: ColumnMap | None) -> Recording:

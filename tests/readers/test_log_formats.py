@@ -14,6 +14,7 @@ import scipy.io
 from scipy.io import savemat
 
 from bogie_braking.controllers.replay import read_log as replayed_log
+from bogie_braking.friction_logs import friction_logs
 from fmu_src.cosimulation.recording import Recording
 from readers.extras import MissingExtraError
 from readers.formats.table_files import ENDS
@@ -389,6 +390,21 @@ def test_wheels_of_two_messages_of_a_bus_are_replayed(tmp_path: Path) -> None:
     within = (log["time"] >= 0.004) & (log["time"] <= TIME[-1])
     for name in ("wheel_speed_1", "wheel_speed_2"):
         np.testing.assert_allclose(log[name][within], 20.0 - log["time"][within], rtol=1e-13)
+
+
+def test_a_field_of_friction_has_all_quantities_at_the_rows_of_the_wheels(tmp_path: Path) -> None:
+    """Three rasters; all but the wheel's change linearly, so that bridging has no error."""
+    with asammdf.MDF(version="4.10") as mdf:
+        late = TIME[::10] + 0.004
+        for name, unit, at in (("speed", "m/s", late), ("distance", "m", late), ("pressure_1", "Pa", late + 0.003)):
+            mdf.append(asammdf.Signal(1e3 + at, at, name=name, unit=unit))
+        mdf.append(asammdf.Signal(20.0 - TIME, TIME, name="wheel_speed_1", unit="m/s"))
+        mdf.save(tmp_path / "run.mf4")
+    [log] = friction_logs([tmp_path / "run.mf4"], [0.46], 2.0, None)
+    of_wheel = np.isfinite(log.wheel_speed[:, 0]) & (log.time >= 0.01) & (log.time <= 2.9)
+    assert np.sum(of_wheel) == 290
+    for values in (log.speed, log.distance, log.torque[:, 0] / 2.0):
+        np.testing.assert_allclose(values[of_wheel], 1e3 + log.time[of_wheel], rtol=1e-12)
 
 
 def test_a_table_has_a_place_in_its_format(run: Recording, tmp_path: Path) -> None:
