@@ -189,7 +189,7 @@ def fit_of(problem: Problem, warnings: Sequence[str] = (), over_time: bool = Tru
         [
             *at_limits(problem.parameters, share * first, problem.limits, first),
             *warnings,
-            *mismatches(deviations, off[0] if over_time else np.zeros(len(names)), data.wanted[:last], units),
+            *mismatches(deviations, off if over_time else np.zeros_like(off), data.wanted[:last], units),
         ],
     )
 

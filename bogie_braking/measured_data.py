@@ -185,9 +185,15 @@ def check_pressure(name: str, values: np.ndarray) -> None:
         )
 
 
+def first_rows(wanted: np.ndarray) -> list[int]:
+    """Return the first row in which each output has a value, 0 without one; wanted: shape (rows, outputs)."""
+    return [int(np.argmax(there)) for there in np.isfinite(wanted).T]
+
+
 def check_units(names: Sequence[str], simulated: np.ndarray, data: Data, units: Mapping[str, str]) -> None:
-    """Check that no speed begins as in another unit; simulated: outputs in the first row."""
-    for name, run, log in zip(names, simulated, data.wanted[0], strict=True):
+    """Check that no speed begins as in another unit; simulated: shape (rows, outputs), up to the last of first_rows."""
+    for column, (name, row) in enumerate(zip(names, first_rows(data.wanted), strict=True)):
+        run, log = simulated[row, column], data.wanted[row, column]
         if units[name] != "m/s" or not min(run, log) > LEAST_SPEED:
             continue
         for ratio, unit in UNIT_RATIOS.items():
@@ -202,18 +208,19 @@ def check_units(names: Sequence[str], simulated: np.ndarray, data: Data, units: 
 def mismatches(
     deviations: Mapping[str, float], off: np.ndarray, wanted: np.ndarray, units: Mapping[str, str]
 ) -> list[str]:
-    """Return a sentence for each output that the run does not describe; off: simulated less measured first row."""
+    """Return a sentence for each output that the run does not describe; off: simulated less measured rows."""
     found = []
-    for column, (name, size) in enumerate(deviations.items()):
+    for column, ((name, size), row) in enumerate(zip(deviations.items(), first_rows(wanted), strict=True)):
         values, unit = wanted[:, column], units[name]
         span = float(np.nanmax(values) - np.nanmin(values))
-        first, simulated = f"{values[0]:.4g} {unit}", f"{values[0] + off[column]:.4g} {unit}"
+        begin, error = values[row], off[row, column]
+        first, simulated = f"{begin:.4g} {unit}", f"{begin + error:.4g} {unit}"
         if 0.0 < FAILS * span < size:
             found.append(
                 f"The run does not describe {name}: it is off by {size:.2g} {unit}, {100 * size / span:.0f} % of its "
                 "range. Check units, initial values and what is not fitted."
             )
-        if abs(off[column]) > MISMATCH * max(abs(values[0]), span):
+        if abs(error) > MISMATCH * max(abs(begin), span):
             begins = f"{name} begins at {first} in the log and at {simulated} in the run."
             found.append(f"{begins} Check initial values and begin.")
     return found

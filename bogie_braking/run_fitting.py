@@ -11,7 +11,7 @@ from bogie_braking.checks import in_unit, known, line_or_none, not_both, number
 from bogie_braking.fitting import Fit, Problem, check_parameters, fit_of
 from bogie_braking.histories import Value
 from bogie_braking.machines import CompiledMachine, Runnable, machine_of, model_from, unfolded
-from bogie_braking.measured_data import DataOptions, check_unit, check_units, data_of, log_of, rows_until
+from bogie_braking.measured_data import DataOptions, check_unit, check_units, data_of, first_rows, log_of, rows_until
 from bogie_braking.simulation import Simulation
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.suggestion import suggestion
@@ -59,7 +59,8 @@ def fit_run(
     )
     problem = Problem(table, tuple(parameters), first, limits, names, data, last, simulated, FAR)
     if "initial_speed" not in parameters:
-        check_units(names, simulated(np.ones_like(first), 2)[0], data, table.units)
+        rows = max(2, 1 + max(first_rows(data.wanted)))
+        check_units(names, simulated(np.ones_like(first), rows), data, table.units)
     return fit_of(problem, lacking(driven, {*values, *parameters}, machine))
 
 

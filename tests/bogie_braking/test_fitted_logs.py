@@ -161,6 +161,14 @@ def test_one_run_in_binary_files_gives_one_fit(rows: Rows, tmp_path: Path) -> No
         assert one.standard_errors[DAVIS] == pytest.approx(found[0].standard_errors[DAVIS], rel=1e-6)
 
 
+def test_a_speed_in_another_unit_is_refused_if_it_begins_late(tmp_path: Path) -> None:
+    """The first row of the log has the torque alone, as another raster begins before that of the speed."""
+    rows = [f"{t / 10},{'' if t % 2 == 0 else 3.6 * 30.0},{0 if t % 2 == 0 else ''}" for t in range(40)]
+    (tmp_path / "log.csv").write_text("\n".join(["time [s],speed [m/s],brake_torque_1 [N.m]", *rows, ""]))
+    with pytest.raises(ValueError, match=r"speed must begin near 30 m/s, .* got 108 m/s .* as if in km/h"):
+        bb.fit("vehicle", tmp_path / "log.csv", {DAVIS: 500.0}, **COACH)
+
+
 def test_a_map_in_a_file_is_that_in_python(rows: Rows, tmp_path: Path) -> None:
     head, row, columns = FORMS["rpm of a wheel, by a map"]
     log, names = tmp_path / "log.csv", tmp_path / "map.toml"
