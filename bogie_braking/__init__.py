@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from bogie_braking.protection import protected_stop as protected_stop
     from bogie_braking.protection import protected_stops as protected_stops
     from bogie_braking.rare_events import rare as rare
+    from bogie_braking.repeating import repeat as repeat
     from bogie_braking.simulation import Simulation as Simulation
     from bogie_braking.simulation import run as run
     from bogie_braking.sweeping import sweep as sweep
@@ -72,6 +73,7 @@ _HOMES = {
     "bogie_braking.pairs": ("pair", "profile"),
     "bogie_braking.protection": ("protected_stop", "protected_stops"),
     "bogie_braking.rare_events": ("rare",),
+    "bogie_braking.repeating": ("repeat",),
     "bogie_braking.simulation": ("Simulation", "run"),
     "bogie_braking.sweeping": ("sweep",),
     "bogie_braking.trains": ("train",),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
-from dataclasses import replace
-from pathlib import Path
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -25,13 +26,20 @@ from bogie_braking.checks import (
     shown,
     whole,
 )
-from bogie_braking.machines import Runnable, batch_machine_of, unfolded
-from fmu_src.batch import BatchLibrary, Ends, Instances, run_batch
-from fmu_src.system import Variable
+from bogie_braking.line_in_file import file_of
+from bogie_braking.machines import Runnable, batch_machine_of, machine_of, model_from, unfolded
+from bogie_braking.provenance import encoded, encoded_value
+from bogie_braking.reducers import interval_of, is_statistic, results_of
+from bogie_braking.simulation import INTERVAL
+from bogie_braking.single_runs import SingleRuns
+from fmu_src.batch import BatchLibrary, Ends, Instances, run_batch, table_of
+from fmu_src.cosimulation.recording import Recording
+from fmu_src.system import Model, System, Variable
+from products.run_history import provenance_of
 from products.vehicle_file import DataSheet
 from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.track.line import Line
-from readers.storage import ANOTHER_TEMPORARY, writing
+from rbd_model.vehicle.description import Vehicle
 from readers.usual import almost_0, is_almost_0, note
 
 #: Parameters that name a file of all runs; a line is given as such.
@@ -45,11 +53,12 @@ def batch(
     line: Line | None = None,
     threads: int | None = None,
     messages: bool = False,
+    interval: float | None = None,
     **values: ArrayLike,
-) -> Ends:
+) -> BatchEnds:
     """Run one vehicle many times over a duration, in vector lanes and threads.
 
-    Each run is bit-identical with the same run made alone.
+    Each run is bit-identical with the same run made alone. Runs with statistics are made one by one, in threads.
 
     Parameters
     ----------
@@ -58,21 +67,24 @@ def batch(
     duration : float
         Duration of each run [s].
     outputs : sequence of str
-        Names of the variables to return at the end of each run.
+        Results of each run: variables at its end, or statistics as in `sweep`.
     line : Line, optional
         As in `run`.
     threads : int, optional
         Number of threads; by default the number of processors.
     messages : bool
         Whether to keep the messages of each run, too.
+    interval : float, optional
+        Interval of the rows of a run [s], for statistics; by default 0.01 s.
     **values : float or array
         Parameters and inputs by name, in SI units: one number for all runs, or an array of shape (runs,). Parameters
         that choose the equations, such as `level`, take one number.
 
     Returns
     -------
-    Ends
+    BatchEnds
         Values by name, each of shape (runs,). A run that cannot be made has NaN, and `failures` states the reason.
+        `table` is a Recording with a row for each run.
 
     Raises
     ------
@@ -86,11 +98,94 @@ def batch(
         If no C compiler works.
     """
     duration = seconds("the duration", duration)
-    library, given = prepared(what, line, values, ("messages",))
-    names = names_of(outputs, variables_of_batch(library))
-    with tempfile.TemporaryDirectory() as folder:
-        ends = run_batch(library, given, duration, names, threads_or_none(threads), file_of(line, folder), messages)
-    return _with_notes(ends, library, given)
+    threads = threads_or_none(threads)
+    if not isinstance(outputs, str) and any(map(is_statistic, outputs)):
+        ends, given, units, identity = _single_ends(what, duration, outputs, line, threads, messages, interval, values)
+    else:
+        library, given = prepared(what, line, values, ("messages", "interval"))
+        variables, identity = variables_of_batch(library), library.identity
+        results = results_of(outputs, variables)
+        interval_of(interval, results, INTERVAL)
+        with tempfile.TemporaryDirectory() as folder:
+            ends = run_batch(library, given, duration, results.names, threads, file_of(line, folder), messages)
+        ends = _with_notes(ends, library, given)
+        units = {name: variables[name].unit for name in given if name in variables} | dict(results.units)
+    columns = {name: value for name, value in given.items() if not isinstance(value, str) and value.ndim}
+    arguments = {"what": encoded(what), "duration": duration, "outputs": list(outputs), "vary": list(columns)}
+    arguments |= {"values": {name: encoded_value(value) for name, value in values.items() if name not in columns}}
+    arguments |= {"line": encoded(line)} | ({} if interval is None else {"interval": interval})
+    provenance = provenance_of("batch", arguments, identity if isinstance(what, System | Model | Vehicle) else "")
+    units = {name: units[name] for name in (*columns, *ends.outputs)}
+    return BatchEnds(**vars(ends), given=columns, units=units, provenance=provenance)
+
+
+def _single_ends(
+    what: Runnable | DataSheet,
+    duration: float,
+    outputs: Sequence[str],
+    line: Line | None,
+    threads: int | None,
+    messages: bool,
+    interval: float | None,
+    values: Mapping[str, ArrayLike],
+) -> tuple[Ends, dict[str, np.ndarray | str], dict[str, str], str]:
+    """Return the ends of runs with statistics, their values, all units, and the identity of the equations."""
+    what, values = unfolded(what, values)
+    what, line = model_from(what) if isinstance(what, System) else what, line_or_none(line)
+    files, numbers = _parted(values)
+    table = table_of(numbers)
+    first = dict(zip(numbers, table[0].tolist(), strict=True)) if len(table) else {}
+    machine = machine_of(what, {**files, **first}, line is not None)
+    for name in values:
+        known(name, machine.variables, "variable")
+    results = results_of(outputs, machine.variables)
+    single = SingleRuns(what, duration, line, results, interval_of(interval, results, INTERVAL))
+    points = [{**files, **dict(zip(numbers, row, strict=True))} for row in table.tolist()]
+    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+        ends = list(pool.map(single.end_or_failure, points))
+    rows = np.array([end.results for end in ends]).reshape(-1, len(results.names))
+    failures = {run: end.failure for run, end in enumerate(ends) if end.failure}
+    units = {name: machine.variables[name].unit for name in numbers} | dict(results.units)
+    return (
+        Ends(
+            dict(zip(results.names, rows.T, strict=True)),
+            np.array([end.time for end in ends]),
+            np.array([end.ended for end in ends], bool),
+            failures,
+            [end.failure or end.status for end in ends] if messages else None,
+        ),
+        {**numbers, **files},
+        units,
+        machine.identity,
+    )
+
+
+@dataclass(frozen=True)
+class BatchEnds(Ends):
+    """Results of a batch, which also are a table.
+
+    Attributes
+    ----------
+    given : dict of str to ndarray
+        Varied values by name.
+    units : dict of str to str
+        Units of these and of the outputs.
+    provenance : dict
+        What was run, as in a Recording.
+    """
+
+    given: dict[str, np.ndarray] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    provenance: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def table(self) -> Recording:
+        """Return number, varied values and outputs of each run, shape (runs,), with its message."""
+        count = self.time.size
+        columns = {"number": np.arange(count), **self.given, **self.outputs}
+        messages = self.messages or [self.failures.get(run, "") for run in range(count)]
+        rows, units = np.column_stack(list(columns.values())), {"number": "1"} | self.units
+        return Recording(units, rows, messages, {"runs": count}, ("number", *self.given), self.provenance)
 
 
 def _with_notes(ends: Ends, library: BatchLibrary, given: Mapping[str, np.ndarray | str]) -> Ends:
@@ -181,8 +276,7 @@ def prepared(
     """
     what, values = unfolded(what, values)
     line = line_or_none(line)
-    files = {name: value for name, value in values.items() if name in FILES and isinstance(value, str)}
-    numbers = {name: _numbers(name, value) for name, value in values.items() if name not in files}
+    files, numbers = _parted(values)
     single: dict[str, Any] = {name: one.item(0) for name, one in numbers.items() if one.size and not np.ptp(one)}
     library = batch_machine_of(what, single, line is not None)
     for name in values:
@@ -202,6 +296,12 @@ def prepared(
     return library, {**numbers, **files}
 
 
+def _parted(values: Mapping[str, Any]) -> tuple[dict[str, str], dict[str, np.ndarray]]:
+    """Return the paths of files, and the numbers as arrays."""
+    files = {name: value for name, value in values.items() if name in FILES and isinstance(value, str)}
+    return files, {name: _numbers(name, value) for name, value in values.items() if name not in files}
+
+
 def _numbers(name: str, value: ArrayLike) -> np.ndarray:
     """Return one number or a row of them as an array. Raises ValueError."""
     found = np.asarray(value)
@@ -218,11 +318,3 @@ def variables_of_batch(library: BatchLibrary) -> dict[str, Variable]:
 def threads_or_none(count: int | None) -> int | None:
     """Return the number of threads, or None for one per processor. Raises ValueError."""
     return None if count is None else at_most("threads", whole("the number of threads", count, 1), MOST_THREADS)
-
-
-def file_of(line: Line | None, folder: str) -> str | None:
-    """Write a line into a temporary folder and return the path of its file. Raises StorageError."""
-    if line is None:
-        return None
-    with writing(Path(folder), ANOTHER_TEMPORARY):
-        return str(line.write(Path(folder) / "line.csv"))

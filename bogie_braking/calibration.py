@@ -15,7 +15,6 @@ from bogie_braking.machines import Runnable
 from bogie_braking.measured_data import DataOptions
 from bogie_braking.run_fitting import fit_run
 from bogie_braking.train_fitting import fit_train
-from fmu_src.cosimulation.recording import Recording
 from products.train.consist import Consist
 from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
@@ -29,7 +28,7 @@ OF_TRAINS = ("drive", "settings")
 @overload
 def fit(
     what: Runnable | Consist | Path | Sequence[Mapping[str, Any]] | int,
-    measured: Recording | str | Path,
+    measured: Any,
     parameters: Mapping[str, float],
     line: Line | None = None,
     until: float | None = None,
@@ -46,7 +45,7 @@ def fit(
 @overload
 def fit(
     what: str | Vehicle | DataSheet,
-    measured: Recording | str | Path | Sequence[Recording | str | Path],
+    measured: Any,
     parameters: Mapping[str, float],
     line: Line | None = None,
     *,
@@ -89,9 +88,10 @@ def fit(
     ----------
     what : str, Vehicle, System or Model; or a train: path of a file, Consist, list of rows, int
         Vehicle or brake, as in `run`; or consist, as in `train`.
-    measured : Recording, str or Path; or a sequence of these if `places` are given
-        A table or the file of a log. Its columns are time [s] and variables in their units: outputs to fit, and inputs
-        that drive the run. Rows without a value of an output (NaN) are not compared there.
+    measured : str, Path, Recording, mapping of arrays, data frame, data set or structured array
+        A log; with `places` also a sequence of them. Its columns are time [s] and variables: outputs to fit, and inputs
+        that drive the run. Units are in the names, as in `speed [km/h]`, or in `attrs`; without one it is that of the
+        variable. Rows without a value of an output (NaN) are not compared there.
     parameters : mapping of str to float
         Names and initial values, not 0, because relative steps are taken. It may include constant inputs. Of a train:
         lambda [%] of each braked vehicle or brake_factor [1], fill_time [s], and resistance_factor [1] or resistance_a,

@@ -14,10 +14,11 @@ from bogie_braking.checks import in_unit, number, shown
 from bogie_braking.correlated import Errors, errors_of
 from bogie_braking.measured_data import Data, mismatches
 from fmu_src.cosimulation.recording import Recording
+from readers.extras import named_extras
 from readers.renamed import FormerNames
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from fmu_src.figure import NotebookFigure
 
 #: Distance from a limit at which a fitted value is at it, over the limit or the value at the start.
 AT_LIMIT = 1e-3
@@ -84,7 +85,7 @@ class Fit(FormerNames):
         messages += self.warnings
         return " ".join(messages)
 
-    def plot(self) -> Figure:
+    def plot(self) -> NotebookFigure:
         """Plot the measured data as dots, and the fitted run.
 
         Returns
@@ -92,16 +93,10 @@ class Fit(FormerNames):
         Figure
             A Matplotlib figure with a chart for each unit.
         """
-        figure, first = self.fitted.plot(), self.measured.names[0]
-        for chart in figure.axes:
-            for line in list(chart.lines):
-                name = str(line.get_label())
-                chart.plot(
-                    self.measured[first], self.measured[name], ".", color="0.6", label=f"{name}, measured", zorder=1
-                )
-                line.set_label(f"{name}, fitted")
-            chart.legend(loc="best")
-        return figure
+        with named_extras():
+            from fmu_src.cosimulation.recording_chart import draw  # heavy
+
+        return draw(self.fitted, self.fitted.names[1:], self.measured)
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from bogie_braking.batches import file_of
 from bogie_braking.checks import known, line_or_none
+from bogie_braking.line_in_file import file_of
 from bogie_braking.machines import LEVELS, model_from
 from fmu_src.chain import ONE_WRITES
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3

@@ -80,9 +80,10 @@ class FrictionField:
     def plot(self) -> Figure:
         """Plot the field with its intervals, and lower limits where it is not determined."""
         with named_extras():
-            import matplotlib.pyplot as plt
+            from fmu_src.figure import NotebookFigure  # heavy
 
-        figure, chart = plt.subplots(figsize=(8, 4), layout="constrained")
+        figure = NotebookFigure(figsize=(8, 4), layout="constrained")
+        chart = figure.subplots()
         there = np.isfinite(self.values)
         both = np.maximum([self.values - self.lower, self.upper - self.values], 0.0)[:, there]
         chart.errorbar(self.places[there], self.values[there], both, fmt="o-", capsize=3, label="friction, 95 %")

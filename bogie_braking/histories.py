@@ -14,7 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bogie_braking.checks import durations, number, refused, shown
+from fmu_src.cosimulation.arrays import heads_of, named_arrays
 from fmu_src.system import Variable
+from readers.columns import TableError
+from readers.log_columns import Head
+from readers.units import factor
 from readers.usual import almost_0, is_almost_0, likely_unit
 
 #: Value of an input or parameter, or the path of a file. An input may also be a function of time [s], columns of times
@@ -27,7 +31,7 @@ Numbers = NDArray[np.float64]
 #: Accepted forms, for messages.
 FORMS = (
     "one number, a function of time, a pair of columns ([0, 2], [0, 5e3]), times [s] and values, "
-    "rows [(0, 0), (2, 5e3)], or an array with a field time"
+    "rows [(0, 0), (2, 5e3)], an array with a field time, or a log: a Recording, a mapping or a data frame"
 )
 #: Remedy if rows and columns cannot be distinguished.
 UNCLEAR = "Write ([0, 2], [0, 5e3]) for columns, times [s] and values, or [(0, 0), (2, 5e3)] for rows"
@@ -46,7 +50,12 @@ class History:
             raise refused(f"{variable.name} is not an input and cannot change over time; give it one number.")
         self._function = given if callable(given) else None
         if not self._function:
-            self._times, self._values = self._table(given)
+            self._times, self._values = self._table(columns_of(variable, given))
+
+    @property
+    def table(self) -> tuple[Numbers, Numbers] | None:
+        """Return times [s] and values; None for a function."""
+        return None if self._function else (self._times, self._values)
 
     def corners(self, begin: float, end: float) -> list[float]:
         """Return the instants between two others at which a straight line ends [s]."""
@@ -96,6 +105,39 @@ class History:
         limits = f"from {one.minimum:g} to {one.maximum:g} {one.unit}"
         hint = likely_unit(found, one.unit, one.minimum, one.maximum)
         raise refused(f"{one.name} must be a finite value {limits} at all times; got {value!r} at {time:g} s.{hint}")
+
+
+def columns_of(variable: Variable, given: Any) -> Any:
+    """Return times [s] and values of an input in a log with named columns; others unchanged. Raises SimulationError.
+
+    A log is a Recording, mapping of arrays, data frame or data set. It has `time`, and the input or one other column.
+    """
+    name = variable.name
+    try:
+        arrays = None if isinstance(given, np.ndarray) else named_arrays(given, name)
+    except TableError as error:
+        raise refused(str(error)) from None
+    if arrays is None:
+        return given
+    heads = heads_of(arrays)
+    others = [other for other in heads if other != "time"]
+    column = name if name in heads else others[0] if len(others) == 1 else None
+    if "time" not in heads or column is None:
+        raise refused(
+            f"{name} must be a log with the columns time and {name}; it has {', '.join(heads)}. Name them so."
+        )
+    units = {"time": "s", column: variable.unit}
+    return tuple(_in_unit(name, heads[key], arrays[heads[key].cell], unit) for key, unit in units.items())
+
+
+def _in_unit(name: str, head: Head, values: np.ndarray, unit: str) -> np.ndarray:
+    """Return numbers in another unit, unchanged if their unit is unknown. Raises SimulationError."""
+    if not head.unit or values.dtype.kind not in "biuf":
+        return values
+    both = factor(head.unit, unit)
+    if both is None:
+        raise refused(f"{head.name} of the log of {name} must be in {unit}; got {head.unit}. Correct the unit.")
+    return values if both[0] == both[1] else values * both[0] / both[1]
 
 
 def times_and_values(name: str, given: Any) -> tuple[Numbers, Numbers]:

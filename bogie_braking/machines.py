@@ -13,7 +13,8 @@ from bogie_braking.checks import known, shown
 from fmu_src.batch import BatchLibrary, compiled_batch
 from fmu_src.chain import ONE_WRITES
 from fmu_src.chosen import alone
-from fmu_src.compile import build_library
+from fmu_src.codegen import generate, guid_of
+from fmu_src.compile import library_of
 from fmu_src.kernel import Library
 from fmu_src.system import Model, System, Variable, model_of
 from products.building import kernel_at, kernel_of, variables_of, whole_kernel
@@ -64,7 +65,7 @@ class CompiledMachine:
     """Compiled equations with their variables.
 
     fixed: parameters that selected the compiled equations. place: number of the compiled system among those that the
-    variables of an FMU select; None: all systems are compiled.
+    variables of an FMU select; None: all systems are compiled. identity: GUID of equations of a user's own.
     """
 
     name: str
@@ -72,6 +73,7 @@ class CompiledMachine:
     library: Library
     fixed: frozenset[str] = frozenset()
     place: int | None = None
+    identity: str = ""
 
 
 def vehicle(name: str) -> Vehicle:
@@ -291,4 +293,5 @@ def _of_a_model(model: Model) -> CompiledMachine:
 
 def _compiled(model: Model, fixed: frozenset[str] = frozenset()) -> CompiledMachine:
     variables = {variable.name: variable for variable in model.variables}
-    return CompiledMachine(model.name, variables, Library(build_library(model)), fixed)
+    sources = generate(model)
+    return CompiledMachine(model.name, variables, Library(library_of(sources)), fixed, identity=guid_of(sources))

@@ -7,17 +7,21 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from bogie_braking.checks import number, seconds, shown
 from bogie_braking.histories import Value
+from fmu_src.cosimulation.arrays import log_from, named_arrays
 from fmu_src.cosimulation.measured import in_units_of, table_from
 from fmu_src.cosimulation.recording import Recording
 from readers.log_columns import ColumnMap
 from readers.log_rows import after_events, averaged, filled
 from readers.usual import LEAST_PRESSURE, is_almost_0, likely_unit
 
+#: Accepted forms of a log, for messages.
+FORMS = "a Recording, columns by name (a mapping, a data frame), or the path of a log"
 #: Size of errors, relative to the range of the measured values, from which a run does not describe them.
 FAILS = 0.2
 #: Ratios of measured and simulated speed at the begin that show a wrong unit.
@@ -60,14 +64,14 @@ class Data:
         return np.where(high > low, high - low, 1.0)
 
 
-def measured_from(path: str | Path, columns: ColumnMap | None = None) -> Recording:
-    """Return a measured run from a file, with time counted from the first row if it is that of a clock.
+def measured_from(path: Any, columns: ColumnMap | None = None) -> Recording:
+    """Return a measured run from a file or data frame, with time counted from the first row if it is that of a clock.
 
     Parameters
     ----------
-    path : str or Path
-        A log with names and units, such as `time [s],speed [km/h]`: text, Parquet, MATLAB, MDF or HDF5 by the end of
-        its name (docs/files.md).
+    path : str, Path, mapping of arrays, data frame, data set or structured array
+        A log. Its names have units, as in `speed [km/h]`. A file is text, Parquet, MATLAB, MDF or HDF5, by the end of
+        its name.
     columns : mapping, str or Path, optional
         A map from its names to those of variables, or its TOML file. By default names are guessed, and a message on
         standard error shows the guesses.
@@ -82,7 +86,7 @@ def measured_from(path: str | Path, columns: ColumnMap | None = None) -> Recordi
     FileError
         If a file is invalid; the message names file, row, column, value and remedy.
     TypeError
-        If `path` is not a path.
+        If `path` is not a path and has no named columns.
     """
     if isinstance(path, Recording):
         raise not_a_log("The log", path)
@@ -98,15 +102,19 @@ def log_of(
 ) -> Recording:
     """Return a log, in `units` by name if it has these columns. Guesses are printed to standard error.
 
-    name, end: of a message about something else. Raises TypeError, ValueError, FileError.
+    A log is a Recording, the path of a file, or named arrays: a mapping, data frame, data set or structured array.
+    name, end: of messages. Raises TypeError, ValueError, FileError.
     """
     if isinstance(measured, Recording):
         if columns is not None:
             raise ValueError("columns must be None for a Recording, as its columns have names; give the path of a log.")
         return in_units_of(measured, units or {})
-    if not isinstance(measured, str | Path):
+    if isinstance(measured, str | Path):
+        log = table_from(measured, units, columns)
+    elif (arrays := named_arrays(measured, f"{name}{end}")) is not None:
+        log = log_from(arrays, units, columns, f"{name}{end}")
+    else:
         raise not_a_log(name, measured, end)
-    log = table_from(measured, units, columns)
     for message in log.messages:
         print(message, file=sys.stderr)
     return log
@@ -114,7 +122,7 @@ def log_of(
 
 def not_a_log(name: str, measured: object, end: str = "") -> TypeError:
     """Return the error of something that is not a log."""
-    return TypeError(f"{name} must be a Recording or the path of a log; got {shown(measured)}{end}.")
+    return TypeError(f"{name} must be {FORMS}; got {shown(measured)}{end}.")
 
 
 def check_unit(table: Recording, name: str, unit: str, where: str = "the measured data.") -> None:

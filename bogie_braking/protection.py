@@ -8,6 +8,7 @@ from dataclasses import fields, replace
 from typing import Literal
 
 from bogie_braking.checks import known, line_or_none
+from bogie_braking.provenance import encoded, encoded_settings
 from brake_controller.wheel_slide import WheelSlideController
 from fmu_src.cosimulation.recording import Recording
 from products.machine import DISCS, MACHINES, Machine
@@ -17,6 +18,7 @@ from products.protection.runs import Run, Stop
 from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from products.protection.vehicle_of_file import machine_of_sheet
+from products.run_history import provenance_of
 from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
 
@@ -80,14 +82,21 @@ def protected_stops(
         If a setting is out of its limits.
     """
     rows: list[list[float]] = []
-    messages = []
+    messages, rails = [], rails if isinstance(rails, str) else list(rails)
     for case, stop in _stops_of(controller, vehicle, rails, settings):
         distance = math.nan if stop.distance is None else stop.distance
         measures = stop.time, stop.longest_lock, stop.share_in_band, stop.air
         rest = measures if stop.judged else [math.nan] * len(measures)
         rows.append([len(rows), case.condition.friction, distance, *rest])
         messages.append(_sentence(case, stop))
-    return Recording(COLUMNS, rows, messages, {"stops": len(rows)})
+    arguments = {
+        "controller": encoded(controller),
+        "vehicle": encoded(vehicle),
+        "rails": rails,
+        "values": encoded_settings(settings),
+    }
+    provenance = provenance_of("protected_stops", arguments)
+    return Recording(COLUMNS, rows, messages, {"stops": len(rows)}, ("number", "friction"), provenance)
 
 
 def protected_stop(
@@ -127,7 +136,10 @@ def protected_stop(
     """
     [(case, stop)] = _stops_of(controller, vehicle, [rail], settings, line_or_none(line), recorded=True)
     radius = _machine(vehicle)[0].parameters.wheel_radius
-    return stop.course.recording(radius, _sentence(case, stop), stop.commands)
+    found = stop.course.recording(radius, _sentence(case, stop), stop.commands)
+    arguments = {"controller": encoded(controller), "rail": rail, "vehicle": encoded(vehicle), "line": encoded(line)}
+    found.provenance = provenance_of("protected_stop", arguments | {"values": encoded_settings(settings)})
+    return found
 
 
 def _stops_of(

@@ -13,17 +13,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
-from bogie_braking.batches import batch, file_of, prepared, threads_or_none, variables_of_batch
+from bogie_braking.batches import BatchEnds, batch, prepared, threads_or_none, variables_of_batch
 from bogie_braking.checks import MOST_INSTANCES, at_most, known, number, once, refused, seconds, shown, whole
+from bogie_braking.line_in_file import file_of
 from bogie_braking.machines import Runnable
+from bogie_braking.provenance import encoded, encoded_value
+from bogie_braking.reducers import is_statistic
 from bogie_braking.splitting import POPULATIONS, Numbers, Population, climb, confidence_of, interval_of
 from bogie_braking.splitting_doubts import doubts_about
 from bogie_braking.sweeping import PAYS_FROM, check_executor
 from fmu_src.batch import Ends, run_batch
 from fmu_src.cosimulation.recording import Recording
+from fmu_src.system import Model, System
+from products.run_history import provenance_of
 from products.study.points import outcomes_from
 from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
+from rbd_model.vehicle.description import Vehicle
 from readers.extras import named_extras
 from readers.renamed import FormerNames
 
@@ -93,10 +99,10 @@ class Rare(FormerNames):
     def plot(self) -> Figure:
         """Plot the probability of exceeding a limit over the limit, with its interval."""
         with named_extras():
-            from matplotlib.figure import Figure  # heavy
+            from fmu_src.figure import NotebookFigure  # heavy
 
         output, *names = self.tail.names
-        figure = Figure(figsize=(8.0, 4.5), layout="constrained")
+        figure = NotebookFigure(figsize=(8.0, 4.5), layout="constrained")
         chart, seen = figure.subplots(), self.tail["lower"] > 0.0
         limits, middle, lower, upper = (self.tail[name][seen] for name in (output, *names))
         chart.semilogy(limits, middle, label="splitting")
@@ -180,6 +186,7 @@ def rare(
     seed: int = 0,
     threads: int | None = None,
     executor: Executor | None = None,
+    interval: float | None = None,
     **values: float,
 ) -> Rare:
     """Estimate the probability, down to 1e-12, that an output is above a limit at the end of a run, by splitting.
@@ -194,7 +201,7 @@ def rare(
     duration : float
         Duration of each run [s].
     output : str
-        Name of the output.
+        Name of the output, or a statistic such as `maximum(slip_1)`, whose runs are made one by one.
     limit : float
         Limit in the unit of the output.
     vary : mapping
@@ -212,6 +219,8 @@ def rare(
         Number of threads; by default the number of processors.
     executor : Executor, optional
         Makes the runs in tasks of a thousand or more, as in `sweep`.
+    interval : float, optional
+        Interval of the rows of a run [s], for a statistic; by default 0.01 s.
     **values : float
         Other parameters and inputs by name, in SI units.
 
@@ -240,25 +249,74 @@ def rare(
     if twice := {name for names in distributions for name in names} & values.keys():
         raise ValueError(f"{min(twice)} must have a distribution or a number; got both.")
     middle = values_of(distributions, np.zeros((1, len(distributions))))
-    library, prepared_values = prepared(what, line, {**values, **middle})
-    shared = {name: value for name, value in prepared_values.items() if name not in middle}
-    variables = variables_of_batch(library)
-    names = [known(output, variables, "variable")] + [one for one in (STILL.get(output),) if one in variables]
-    once((*middle, output), "column")
     with tempfile.TemporaryDirectory() as folder:
-        path = file_of(line, folder)
-
-        def make(given: dict[str, Numbers]) -> list[Ends]:
-            return [run_batch(library, {**shared, **given}, duration, names, threads, path)]
-
-        if executor is not None:
-            task = partial(batch, what, duration, names, line, 1, False, **values)
-            make = partial(made_by, executor, partial(called, task))
+        work = Work(what, duration, output, line, threads, executor, interval, values)
+        output, units, identity, make = work.prepared(middle, folder)
+        once((*middle, output), "column")
         runs = NormalRuns(distributions, make, output, limit)
         idle, probed = runs.without_effect(seed)
         populations, climbed = climb(runs, len(distributions), limit, particles, moves, seed)
-    units = {name: variables[name].unit for name in (*middle, output)}
-    return result_of(runs, populations, probed + climbed, moves, idle, units)
+    arguments = {"what": encoded(what), "duration": duration, "output": output, "limit": limit}
+    arguments |= {"distributions": [[list(names), encoded(one)] for names, one in distributions.items()]}
+    arguments |= {"particles": particles, "moves": moves, "seed": seed}
+    arguments |= {"values": {name: encoded_value(value) for name, value in values.items()}, "line": encoded(line)}
+    arguments |= {} if interval is None else {"interval": interval}
+    provenance = provenance_of("rare", arguments, identity if isinstance(what, System | Model | Vehicle) else "")
+    return result_of(runs, populations, probed + climbed, moves, idle, units, provenance)
+
+
+@dataclass(frozen=True)
+class Work:
+    """Runs of `rare`, with the names of its arguments."""
+
+    what: Runnable | DataSheet
+    duration: float
+    output: str
+    line: Line | None
+    threads: int | None
+    executor: Executor | None
+    interval: float | None
+    values: Mapping[str, Any]
+
+    def prepared(
+        self, middle: Mapping[str, Numbers], folder: str
+    ) -> tuple[str, dict[str, str], str, Callable[[dict[str, Numbers]], list[Ends]]]:
+        """Return the name of the output, units, the identity of the equations, and a function that makes runs.
+
+        middle: one value of each input, shape (1,). folder: a temporary one.
+        """
+        if is_statistic(self.output):
+            task = self._task([self.output], 1 if self.executor else self.threads)
+            first = task(**middle)
+            [output] = first.outputs
+            units = {name: first.units[name] for name in (*middle, output)}
+            return output, units, first.provenance.get("identity", ""), self._made_by(task)
+        if self.interval is not None:
+            raise ValueError(f"interval must be left out for a final value; got {shown(self.interval)}.")
+        library, given = prepared(self.what, self.line, {**self.values, **middle})
+        shared = {name: value for name, value in given.items() if name not in middle}
+        variables = variables_of_batch(library)
+        names = [known(self.output, variables, "variable")]
+        names += [one for one in (STILL.get(self.output),) if one in variables]
+        units = {name: variables[name].unit for name in (*middle, self.output)}
+        if self.executor:
+            return self.output, units, library.identity, self._made_by(self._task(names, 1))
+        path = file_of(self.line, folder)
+
+        def make(points: dict[str, Numbers]) -> list[Ends]:
+            return [run_batch(library, {**shared, **points}, self.duration, names, self.threads, path)]
+
+        return self.output, units, library.identity, make
+
+    def _task(self, names: Sequence[str], threads: int | None) -> Callable[..., BatchEnds]:
+        return partial(
+            batch, self.what, self.duration, names, self.line, threads, False, self.interval, **dict(self.values)
+        )
+
+    def _made_by(self, task: Callable[..., BatchEnds]) -> Callable[[dict[str, Numbers]], list[Ends]]:
+        if self.executor:
+            return partial(made_by, self.executor, partial(called, task))
+        return lambda points: [task(**points)]
 
 
 def result_of(
@@ -268,6 +326,7 @@ def result_of(
     moves: int,
     idle: Sequence[str],
     units: Mapping[str, str],
+    provenance: Mapping[str, Any],
 ) -> Rare:
     """Return the result of populations at the end of their climb. idle: inputs without effect."""
     probability, *interval = confidence_of(populations, runs.limit)
@@ -280,6 +339,7 @@ def result_of(
     ]
     estimates = np.array([population.probability for population in populations])
     tail, worst = tail_of(populations, runs, units), worst_of(populations, runs, units)
+    tail.provenance, worst.provenance = ({**provenance, "part": part} for part in ("tail", "worst"))
     shifts = shifts_of(populations, runs)
     return Rare(probability, (interval[0], interval[1]), count, messages, estimates, tail, worst, shifts)
 
@@ -348,7 +408,7 @@ def worst_of(populations: Sequence[Population], runs: NormalRuns, units: Mapping
     kept = (outputs > runs.limit) | (outputs == np.max(outputs))
     table = np.unique(np.column_stack([outputs[kept], points[kept]]), axis=0)[::-1]
     columns = values_of(runs.distributions, table[:, 1:]) | {runs.output: table[:, 0]}
-    return Recording(units, np.column_stack([columns[name] for name in units]))
+    return Recording(units, np.column_stack([columns[name] for name in units]), coordinates=[*units][:-1])
 
 
 def made_by(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +30,7 @@ SHORTEST_STEP = 0.25
 
 def fit_run(
     what: Runnable | DataSheet,
-    measured: Recording | str | Path,
+    measured: Any,
     parameters: Mapping[str, float],
     line: Line | None,
     options: DataOptions,

@@ -9,10 +9,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from bogie_braking.batches import file_of
 from bogie_braking.checks import is_number, line_or_none, names_of, near, refused, seconds, shown
-from bogie_braking.histories import History, Value
+from bogie_braking.histories import History, Numbers, Value
+from bogie_braking.line_in_file import file_of
 from bogie_braking.machines import CompiledMachine, Runnable, machine_at, machine_of, unfolded
+from bogie_braking.provenance import SimulationHistory, encoded, encoded_value
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import MOST_NUMBERS, Kernel, SimulationError
 from fmu_src.refusals import without_value_before
@@ -64,9 +65,10 @@ class Simulation:
     """
 
     def __init__(self, what: Runnable | DataSheet, line: Line | None = None, **values: Value) -> None:
-        what, values = unfolded(what, values)
+        given, (what, values) = (what, values), unfolded(what, values)
         self._line, self._laid = line_or_none(line), ""
         self._machine = machine_of(what, values, line is not None)
+        self._run_history = SimulationHistory(encoded(given[0]), encoded(self._line), self._machine.identity)
         self._kernel = Kernel(self._machine.library)
         self._histories: dict[str, History] = {}
         self._told = 0  # number of the kernel's messages in earlier recordings
@@ -74,6 +76,8 @@ class Simulation:
             if self._line is not None:
                 self._lay(self._kernel, self._line)
             self._take(values)
+            for name, value in given[1].items():
+                self._run_history.set(name, encoded_value(self._histories.get(name, value)))
         except SimulationError as error:
             raise SimulationError(without_value_before(str(error)), error.status) from error
 
@@ -127,7 +131,9 @@ class Simulation:
                 | values
             )
             self._go_on_with(machine_of(self._machine.name, now, on_line=False))
-        self._take(values)
+        for name, value in values.items():
+            self._take({name: value})
+            self._run_history.set(name, encoded_value(self._histories.get(name, value)))
 
     def _file_of(self, name: str) -> str:
         """Return the path of the file that a variable names, or an empty string."""
@@ -218,13 +224,18 @@ class Simulation:
             )
         duration, interval = seconds("the duration", duration), seconds("the interval", interval)
         before = kernel.counts if kernel.initialised else {}
-        rows = self._rows(duration, interval, asked)
+        try:
+            rows = self._rows(duration, interval, asked)
+        except Exception:
+            self._run_history.discard("a step of it failed")
+            raise
+        self._run_history.add("advance", duration, interval, None if names is None else asked)
         units = {"time": "s"} | {name: variables[name].unit for name in asked}
         counts = {name: count - before.get(name, 0) for name, count in kernel.counts.items()}
         heard, self._told = self._told, len(kernel.messages)
-        return Recording(units, rows, kernel.messages[heard:], counts)
+        return Recording(units, rows, kernel.messages[heard:], counts, provenance=self._run_history.snapshot())
 
-    def _rows(self, duration: float, interval: float, names: Sequence[str]) -> list[list[float]]:
+    def _rows(self, duration: float, interval: float, names: Sequence[str]) -> Numbers:
         """Return time and variables every interval, one linear piece of the inputs after the other."""
         if not self._kernel.initialised:
             self._kernel.initialise()
@@ -232,27 +243,28 @@ class Simulation:
         corners = {
             corner for history in self._histories.values() for corner in history.corners(begin, begin + duration)
         }
-        rows: list[list[float]] = []
+        parts, count = [np.empty((0, len(names)))], 0
         if not corners:
-            rows = self._go(begin, begin + duration, duration, interval, names)
+            parts.append(self._go(begin, begin + duration, duration, interval, names))
         for first, last in pairwise([begin, *sorted(corners), begin + duration] if corners else []):
-            due = begin + len(rows) * interval
+            due = begin + count * interval
             middle = first if on_grid(due - first, interval) else min(due, last)
             for start, stop in ((first, middle), (middle, last)):
                 if stop - start > CLOCK and not self.ended:
-                    rows += self._piece(start, stop, begin + len(rows) * interval, interval, names)
-        times = begin + interval * np.arange(len(rows))
-        return [[time, *row] for time, row in zip(times.tolist(), rows, strict=True)]
+                    parts.append(self._piece(start, stop, begin + count * interval, interval, names))
+                    count += len(parts[-1])
+        rows = np.concatenate(parts)
+        return np.column_stack([begin + interval * np.arange(len(rows)), rows])
 
-    def _piece(self, start: float, stop: float, due: float, interval: float, names: Sequence[str]) -> list[list[float]]:
+    def _piece(self, start: float, stop: float, due: float, interval: float, names: Sequence[str]) -> Numbers:
         """Advance from one instant to another [s]; return the variables from `due` on, the next instant of a row."""
         size = stop - start
         if on_grid(due - start, interval):
             return self._go(start, stop, size, interval, names)[round((due - start) / interval) :]
         ends = self._go(start, stop, size, size, names)
-        return ends[1:] if abs(due - stop) <= CLOCK else []
+        return ends[1:] if abs(due - stop) <= CLOCK else ends[:0]
 
-    def _go(self, first: float, last: float, size: float, interval: float, names: Sequence[str]) -> list[list[float]]:
+    def _go(self, first: float, last: float, size: float, interval: float, names: Sequence[str]) -> Numbers:
         """Advance from one instant to another [s], inputs interpolated; return the variables every interval."""
         for name, history in self._histories.items():
             one, value, aim = history.variable, self[name], history.at(first)
@@ -267,8 +279,7 @@ class Simulation:
         count = round(size / interval)
         if count * interval > size and on_grid(size, interval):  # the last row is not lost by the last digit
             interval = size / count * (1.0 - LAST_DIGITS)
-        table = self._kernel.record(size, interval, names)
-        return [list(row) for row in zip(*(table[name] for name in names), strict=True)]
+        return self._kernel.record_rows(size, interval, names)
 
     def save(self) -> bytes:
         """Return the complete state, for a file or another process; inputs over time are not included.
@@ -304,6 +315,7 @@ class Simulation:
             raise refused(f"The state must be one of {name} with the same equations; nothing was restored.")
         machine = self._machine if found[0] == own else machine_at(name, found[0])
         self._go_on_with(machine, state.removeprefix(_mark(name, found[0])))
+        self._run_history.discard("it was restored from a saved state")
 
 
 def _mark(name: str, place: int | None) -> bytes:

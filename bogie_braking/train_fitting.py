@@ -11,8 +11,9 @@ import numpy as np
 
 from bogie_braking.checks import line_or_none, shown
 from bogie_braking.fitting import Fit, Problem, check_begin, check_parameters, fit_of
-from bogie_braking.measured_data import Data, check_unit
+from bogie_braking.measured_data import Data, check_unit, not_a_log
 from bogie_braking.trains import consist_from_any
+from fmu_src.cosimulation.arrays import log_from, named_arrays, recording_of
 from fmu_src.cosimulation.measured import in_units_of, table_from
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.suggestion import suggestion
@@ -23,6 +24,7 @@ from products.train.train import Train
 from rbd_model.track.line import Line
 from readers.columns import Column
 from readers.formats.logs import format_of
+from readers.log_columns import head_of
 from readers.log_rows import after_events, bridged
 from readers.log_words import FAMILIES, plain
 from readers.tables import read_table
@@ -43,7 +45,7 @@ DRIVEN = {"emergency": ("emergency", 0.0), "service": ("service", 1.0)}
 
 def fit_train(
     consist: Any,
-    measured: Recording | str | Path,
+    measured: Any,
     parameters: Mapping[str, float],
     *,
     drive: str = "emergency",
@@ -79,13 +81,17 @@ def _limits(parameters: Mapping[str, float]) -> np.ndarray:
     return np.array([(PARAMETERS[name].least, PARAMETERS[name].most) for name in parameters])
 
 
-def _table(measured: Recording | str | Path) -> Recording:
+def _table(measured: Any) -> Recording:
     """Return a run (time first) or stops (speed first). Raises ValueError, TypeError."""
+    units, name = RUN | {"distance": "m"}, "The measured data"
     if isinstance(measured, str | Path):
         measured = _read(Path(measured))
-    if not isinstance(measured, Recording):
-        raise TypeError(f"The measured data must be a Recording or the path of a file; got {shown(measured)}.")
-    units = RUN | {"distance": "m"}
+    elif not isinstance(measured, Recording):
+        arrays = named_arrays(measured, name)
+        if arrays is None:
+            raise not_a_log(name, measured)
+        timed = any(is_time(head) for head in arrays)
+        measured = log_from(arrays, RUN, None, name) if timed else recording_of(arrays, units, name)
     table = in_units_of(measured, units)
     needs = ("time", "speed") if "time" in table.names else ("speed", "distance")
     for name in needs:
@@ -142,12 +148,17 @@ def _read(path: Path) -> Recording:
     if format_of(path) is not None:
         return table_from(path, RUN)
     head = read_table(path, [Column("speed", "m/s", required=True)], others=True)
-    if any(plain(name) in FAMILIES[("time",)] for name in (*head.numbers, *head.words)):
+    if any(is_time(name) for name in (*head.numbers, *head.words)):
         return table_from(path, RUN)
     table = read_table(path, STOPS)
     return Recording(
         {stop.name: stop.unit for stop in STOPS}, np.column_stack([table.numbers[one.name] for one in STOPS])
     )
+
+
+def is_time(head: str) -> bool:
+    """Return whether a column is the time of a run."""
+    return plain(head_of(0, head).name) in FAMILIES[("time",)]
 
 
 def _begin_of(parameters: Mapping[str, float]) -> np.ndarray:

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from bogie_braking.checks import line_or_none, shown
+from bogie_braking.provenance import absent, encoded
+from products.run_history import RunHistory
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist, TrainVehicle
 from products.train.consist_file import consist_of
@@ -79,7 +81,25 @@ def train(
     chosen = settings or select_brake_model(own, distance_error, force_error, bool(releases))
     found = Train(own, speed=speed, line=line, settings=chosen)
     found.imported = imported
+    arguments = {
+        **{
+            "consist": _encoded_consist(consist),
+            "speed": encoded(speed),
+            "line": encoded(line),
+            "settings": encoded(settings),
+        },
+        **{"distance_error": encoded(distance_error), "force_error": encoded(force_error), "releases": bool(releases)},
+    }
+    found.run_history = RunHistory("train", arguments, found.mark)
     return found
+
+
+def _encoded_consist(consist: Any) -> Any:
+    """Return a consist as JSON."""
+    if isinstance(consist, str | Path):
+        return {**encoded(Path(consist)), "kind": "consist"}
+    vehicles = isinstance(consist, Sequence) and any(isinstance(one, TrainVehicle) for one in consist)
+    return absent("a list of vehicles") if vehicles else encoded(consist)
 
 
 def consist_from_any(given: Any) -> tuple[Consist, Imported | None]:

@@ -10,7 +10,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fmu_src.codegen import generate
-from fmu_src.compile import build_library, library_of
+from fmu_src.codegen import generate, guid_of
+from fmu_src.compile import library_of
 from fmu_src.elimination import elimination, elimination_in_lanes
 from fmu_src.equations import functions, table_ranks
 from fmu_src.equations_in_c import HEAD, functions_in_lanes
@@ -169,6 +169,7 @@ class BatchLibrary(Library):
             function = getattr(self.functions, name)
             function.restype, function.argtypes = result, arguments
         self.lanes, self.model = int(self.functions.batch_lanes()), model
+        self.identity = ""
         self.file = model.table_file.variable.name if model.table_file else None
 
     def parted(
@@ -195,12 +196,16 @@ def most_lanes(kernel: Path) -> int:
 
 def compiled_batch(model: Model, system: System, lanes: int = 0, kept: Kept = made_now) -> BatchLibrary:
     """Return the library of a system; lanes: 2, 4 or 8, or 0 for the most that the processor has."""
-    most = most_lanes(kept("kernel", lambda: build_library(model)))
+    sources = cache(lambda: generate(model))
+    most = most_lanes(kept("kernel", lambda: library_of(sources())))
     own = lanes or most
     if own not in (2, 4, 8) or own > most:
         raise ValueError(f"lanes must be 2, 4 or 8, at most {most} on this processor, or 0 for the most; got {lanes}.")
     words = f"{own} lanes of {system.name}"
-    return BatchLibrary(kept(words, lambda: library_of(lane_sources(model, system), lanes=own)), model)
+    made = kept(words, lambda: library_of(sources() | batch_source(model, system), lanes=own))
+    found = BatchLibrary(made, model)
+    found.identity = guid_of(sources()) if kept is made_now else ""
+    return found
 
 
 def lane_sources(model: Model, system: System) -> dict[str, str]:

@@ -3,6 +3,7 @@
 import hashlib
 import platform
 from collections.abc import Collection
+from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -37,12 +38,27 @@ def content(path: Path) -> bytes:
     return path.read_bytes().replace(b"from bogie_braking.", b"from ") if path.suffix == ".py" else path.read_bytes()
 
 
+def sources() -> str:
+    """Return a digest of all equations, scenarios and C sources; results of two digests share no table.
+
+    Layout of results, figures and styles of pages do not change it. It is equal in a checkout and in a wheel of it.
+    """
+    return digest(*HOUSE, kinds=CODE)
+
+
+#: The digest at the first call in this process, whose modules are those of then.
+sources_of_process = lru_cache(maxsize=1)(sources)
+
+
 def _sources(place: Path, kinds: Collection[str]) -> list[Path]:
     found = [place] if place.is_file() else [path for path in place.rglob("*") if path.suffix in kinds]
-    return [path for path in found if not path.is_relative_to(PREBUILT)]
+    others = [PREBUILT, *((ROOT / name for name in (*ROOMS, "build_fmu.py")) if place == ROOT else ())]
+    return [path for path in found if not any(path.is_relative_to(other) for other in others)]
 
 
 def _place(name: str) -> Path:
+    if ROOT.name == PUBLIC and name == PUBLIC:  # in a wheel the public package has all others inside
+        return ROOT
     return ROOT.parent / name if ROOT.name == PUBLIC and name.startswith(f"{PUBLIC}/") else ROOT / name
 
 

@@ -5,6 +5,7 @@ A number that the file lacks is taken from a named built-in vehicle and listed a
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -94,6 +95,13 @@ class DataSheet:
         Contact tables for level 3, of all wheelsets or of each; empty: the synthetic pair.
     parts : OwnParts
         Bodies and connections of the file.
+
+    Attributes
+    ----------
+    path : Path or None
+        The file; None if values were changed since it was read.
+    digest : str
+        Digest of it and of its contact tables.
     """
 
     name: str
@@ -105,6 +113,8 @@ class DataSheet:
     assumed: Mapping[str, str] = field(default_factory=dict)
     profile_files: tuple[Path, ...] = ()
     parts: OwnParts = field(default_factory=OwnParts)
+    path: Path | None = field(default=None, init=False, compare=False, repr=False)  # `replace` leaves it out
+    digest: str = field(default="", init=False, compare=False, repr=False)
 
     @property
     def fmu(self) -> str | None:
@@ -186,7 +196,11 @@ def read_vehicle(path: str | Path) -> DataSheet:
         tables = contact_tables([Path(path).parent / table for table in sheet.profile_files], sheet.axles)
     except ValueError as error:
         raise FileError(f"{path}: {error}") from None
-    return replace(sheet, profile_files=tables)
+    found = replace(sheet, profile_files=tables)
+    content = b"".join(one.read_bytes() for one in (Path(path), *tables))
+    object.__setattr__(found, "path", Path(path))
+    object.__setattr__(found, "digest", hashlib.sha256(content).hexdigest()[:24])
+    return found
 
 
 def contact_tables(paths: Sequence[Path], wheelsets: int) -> tuple[Path, ...]:

@@ -14,8 +14,10 @@ from readers.text import BLANK, LONGEST_ROW, quoted, shown
 MOST_NAMES = 20
 #: Further columns whose cells may be anything, as they are not used.
 TEXT = "text"
+#: A name that ends with the number of a vehicle, as `speed[3]`: where a unit is beside it, this is not its unit.
+NUMBERED = re.compile(r".*[^\s\[\]]\[\d+\]")
 #: A name with its unit in square brackets, and a name with or without its unit in round ones.
-HEAD_SQUARE = re.compile(r"(?P<name>[^\[\]]+)\[(?P<unit>[^\[\]]*)\]")
+HEAD_SQUARE = re.compile(r"(?P<name>[^\[\]]+(?:\[\d+\][^\[\]]*)*)\[(?P<unit>[^\[\]]*)\]")
 HEAD_ROUND = re.compile(r"(?P<name>[^\[\]()]+)(\((?P<unit>[^()]*)\))?")
 BLANK_RUN = re.compile(f"[{BLANK}]+")
 #: Characters that are equal to an underscore in names.

@@ -21,10 +21,12 @@ EXTRAS = {
     "fmpy": ("fmu", "FMUs need FMPy"),
     "gymnasium": ("gym", "environments need gymnasium"),
     "matplotlib": ("plots", "figures need Matplotlib"),
+    "pandas": ("tables", "a data frame needs pandas"),
     "plotly": ("pages", "a page of results needs Plotly"),
     "h5py": ("formats", "an HDF5 file, and a .mat of MATLAB 7.3, need h5py"),
     "pyarrow": ("formats", "a .parquet needs pyarrow"),
     "pythonfmu": ("pythonfmu", "the kind python needs pythonfmu"),
+    "xarray": ("tables", "a data set needs xarray"),
     "ziglang": ("compiler", "a computer without a C compiler needs zig"),
 }
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from readers.column_names import NUMBERED
 from readers.columns import Cells, Column, DecimalMark, Place, TableError
 from readers.decimal_numbers import is_decimal
 from readers.log_columns import Head, LogColumn, head_of, time_of
@@ -131,6 +132,8 @@ def damaged(source: str, program: str, error: BaseException) -> FileError:
 def _head(at: int, raw: RawColumn, is_repeated: bool, source: str) -> Head:
     """Return the head of a column, named with its groups if its name is not unique. Raises TableError."""
     head, unit = head_of(at, raw.name), unit_like(raw.unit) or raw.unit.strip()
+    if unit and NUMBERED.fullmatch(raw.name):
+        head = Head(at, raw.name, raw.name, "")
     if unit and head.unit and unit != head.unit:
         got = f"{quoted(head.unit)} in its name and {quoted(unit)} beside it"
         raise TableError(f"{source}: the column {quoted(raw.name)} must have one unit; got {got}. Correct one.")

@@ -23,18 +23,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from bogie_braking.controllers.controller_loader import Given, controller_of
 from bogie_braking.controllers.table import show, write_document
+from bogie_braking.measured_data import not_a_log
 from bogie_braking.reporting.plots import FOUR, one_word, plt, saved, titled
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.scenario import BadInputError
 from bogie_braking.reporting.text_table import text_table
 from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.wheel_slide import APPLY, COMMANDS, HOLD, VENT, ControllerError, Supervised
+from fmu_src.cosimulation.arrays import log_from, named_arrays
 from fmu_src.cosimulation.measured import table_from
 from fmu_src.cosimulation.recording import Recording
 from products.protection.controller_kinds import single
@@ -146,16 +148,22 @@ def run(chosen: argparse.Namespace) -> bool:
     return not found.message
 
 
-def read_log(path: Path, columns: ColumnMap | None = None, longest_gap: float | None = None) -> Recording:
-    """Return a log with the speeds of wheels; its messages name guessed, converted and omitted columns."""
+def read_log(given: Any, columns: ColumnMap | None = None, longest_gap: float | None = None) -> Recording:
+    """Return a log with the speeds of wheels; its messages name guessed, converted and omitted columns.
+
+    given: path of a file, Recording, mapping of arrays, data frame, data set or structured array.
+    """
     try:
-        log = table_from(path, UNITS_OF_LOG, columns)
-        return _checked(path, log, longest_gap)
+        if isinstance(given, str | Path):
+            return _checked(str(given), table_from(given, UNITS_OF_LOG, columns), longest_gap)
+        if (arrays := named_arrays(given, "The log")) is None:
+            raise not_a_log("The log", given)
+        return _checked("The log", log_from(arrays, UNITS_OF_LOG, columns, "The log"), longest_gap)
     except FileError as error:
         raise BadInputError(str(error)) from None
 
 
-def _checked(path: Path, log: Recording, longest_gap: float | None) -> Recording:
+def _checked(path: str, log: Recording, longest_gap: float | None) -> Recording:
     """Return the rows of a log with a wheel speed, and the others bridged. Raises BadInputError, FileError."""
     count = wheelsets_in(log)
     if not 1 <= count <= MOST_WHEELSETS:

@@ -11,9 +11,11 @@ from pathlib import Path
 from bogie_braking.controllers.estimate import LEVEL, Estimate, less
 from bogie_braking.controllers.scoring import LOOKS, DrawsPlan, ScoredController
 from bogie_braking.reporting.text_table import text_table
+from fmu_src.cosimulation.provenance_text import KEY
 from products.protection.rails import LOCK_ABOVE
 from products.protection.rig import START_SPEED
 from products.protection.settings import Settings
+from products.run_history import provenance_of
 from readers.documents import document_text, finite
 from readers.storage import write_whole
 
@@ -165,8 +167,12 @@ def show(chosen: argparse.Namespace, text: str, lines: Iterable[str]) -> None:
 
 
 def write_document(path: Path, about: Mapping[str, object]) -> str:
-    """Write a document for programs as a whole, null for numbers that are not finite; return its text."""
-    text = document_text(finite(about))
+    """Write a document for programs as a whole, null for numbers that are not finite; return its text.
+
+    It has a provenance: the command, the version and the digest of the sources.
+    """
+    provenance = provenance_of(f"controllers {path.stem}", {})
+    text = document_text(finite({**about, KEY: provenance}))
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, text.encode())
     return text

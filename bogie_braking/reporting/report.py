@@ -11,10 +11,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, SupportsFloat, TypeVar
 
+from bogie_braking.provenance import encoded
 from bogie_braking.reporting.motion import Motion
 from bogie_braking.reporting.plots import message_of, plt
 from bogie_braking.reporting.text_table import text_table
+from fmu_src.cosimulation.provenance_text import KEY
 from fmu_src.cosimulation.recording import Recording
+from products.run_history import provenance_of
 from products.sources import versions
 from readers.documents import document_text
 from readers.storage import cannot_write
@@ -196,9 +199,15 @@ def value_of(rows: Sequence[Row], quantity: str) -> float:
 
 
 def save(
-    report: Report, name: str, out: Path, wall_seconds: float, further: Callable[[Report, Path], None] | None = None
+    report: Report,
+    name: str,
+    out: Path,
+    wall_seconds: float,
+    further: Callable[[Report, Path], None] | None = None,
+    options: Mapping[str, Any] | None = None,
 ) -> Path:
-    """Write results/NAME in one move: a run that fails leaves the folder unchanged."""
+    """Write results/NAME in one move: a run that fails leaves the folder unchanged. options: those that were chosen."""
+    provenance = provenance_of("scenario", {"name": name, "options": encoded(options or {})})
     out.mkdir(parents=True, exist_ok=True)
     partial = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=out))
     try:
@@ -210,12 +219,14 @@ def save(
             "parameters": dict(report.parameters),
             "coupling": dict(report.coupling),
             "versions": versions() | {"fmus": dict(report.guids)},
+            KEY: provenance,
             "wall_seconds": wall_seconds,
             # null if nothing is simulated over time, or if the scenario measures the time of single calls
             "times_real_time": report.simulated_seconds / wall_seconds or None,
         }
         (partial / "summary.json").write_text(document_text(summary), encoding="utf-8")
         for file, series in {"timeseries": report.series, **report.other_series}.items():
+            series.provenance = provenance
             series.write(partial / f"{file}.csv")
         if further:
             further(report, partial)

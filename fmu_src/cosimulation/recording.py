@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fmu_src.cosimulation.provenance_text import KEY, json_of, metadata_of
+from fmu_src.cosimulation.quantities import quantities_with_units
+from fmu_src.cosimulation.recording_html import html_of
 from fmu_src.suggestion import suggestion
 from readers.extras import named_extras
 from readers.formats.table_files import write_columns
@@ -16,11 +19,20 @@ from readers.logs import read_columns
 from readers.renamed import FormerNames
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from fmu_src.figure import NotebookFigure
 
 
-class Recording(FormerNames):
+#: Provenance as JSON, or a function that returns it.
+Provenance = Mapping[str, Any] | Callable[[], Mapping[str, Any]]
+
+
+class Recording(FormerNames, Mapping[str, np.ndarray]):
     """Time series by name, each with its unit; `time` is the first.
+
+    A recording is a mapping of columns: `"speed" in stop`, `list(stop)`, `dict(stop)`, `stop.items()`. Its length is
+    the number of columns. `np.asarray(stop)` is a structured array of shape (rows,) with a field for each column.
+    Recordings are equal if names, units and values are; NaN equals NaN. A notebook shows size, first rows, units and
+    messages.
 
     Parameters
     ----------
@@ -32,6 +44,12 @@ class Recording(FormerNames):
         Messages of the run in their order; empty if unknown.
     counts : mapping of str to int, optional
         Work of the run, such as steps.
+    coordinates : sequence of str, optional
+        Names of the columns that were chosen and not computed; by default the first one. A sweep has the number of the
+        run and the varied values.
+    provenance : mapping, or function that returns one, optional
+        What was run: function, version, digest of the sources, and arguments, as JSON. `bogie_braking.repeat` runs it
+        again. Empty if it is unknown.
 
     Raises
     ------
@@ -45,9 +63,15 @@ class Recording(FormerNames):
         rows: Sequence[Sequence[float]] | np.ndarray,
         messages: Sequence[str] = (),
         counts: Mapping[str, int] | None = None,
+        coordinates: Sequence[str] = (),
+        provenance: Provenance | None = None,
     ) -> None:
         self.units = dict(units)
+        self.coordinates = tuple(coordinates) or tuple(self.units)[:1]
+        if unknown := [name for name in self.coordinates if name not in self.units]:
+            raise ValueError(f"Coordinates must be columns; got {unknown[0]}. Give names of the units.")
         self.messages, self.counts = list(messages), dict(counts or {})
+        self._provenance = provenance or {}
         if np.ma.is_masked(rows):
             raise ValueError("Rows must have all their values; some are masked. Write NaN in their place.")
         table = np.array(rows, dtype=float)
@@ -63,19 +87,59 @@ class Recording(FormerNames):
         """Return a column, shape (rows,), in its unit. Raises KeyError."""
         return self._columns[self._known(name)]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Recording):
+            return NotImplemented
+        same = list(self.units.items()) == list(other.units.items())
+        return same and all(np.array_equal(self[name], other[name], equal_nan=True) for name in self)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        """Return a structured array, shape (rows,), with a field for each column."""
+        if copy is False:
+            raise ValueError("copy must be None or True, as columns are stored apart; got False. Leave it out.")
+        table = np.empty(self.rows, [(name, float) for name in self])
+        for name, values in self.items():
+            table[name] = values
+        return table if dtype is None else table.astype(dtype)
+
     def _known(self, name: str) -> str:
         if name not in self._columns:
             raise KeyError(f"The recording has no column {name}; {suggestion(name, self._columns)}")
         return name
 
     def __repr__(self) -> str:
-        columns = ", ".join(f"{name} [{unit}]" for name, unit in self.units.items())
-        return f"<Recording of {len(next(iter(self._columns.values())))} rows: {columns}>"
+        return f"<Recording of {self.rows} rows: {', '.join(quantities_with_units(self.units))}>"
+
+    def _repr_html_(self) -> str:
+        return html_of(self)
+
+    @property
+    def rows(self) -> int:
+        """Return the number of rows."""
+        return len(next(iter(self._columns.values()), ()))
 
     @property
     def names(self) -> list[str]:
         """Return the names of the columns, in their order."""
         return list(self.units)
+
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """Return what was run: function, version, digest of the sources, arguments; empty if it is unknown."""
+        return dict(self._provenance() if callable(self._provenance) else self._provenance)
+
+    @provenance.setter
+    def provenance(self, provenance: Provenance) -> None:
+        self._provenance = provenance
 
     @property
     def status(self) -> str:
@@ -131,42 +195,36 @@ class Recording(FormerNames):
         rows = np.flatnonzero(condition)
         return float(self["time"][rows[0]]) if rows.size else None
 
-    def plot(self, *names: str) -> Figure:
-        """Plot columns over the first one: a chart for each unit, in their order.
+    def plot(self, *names: str) -> NotebookFigure:
+        """Plot columns over time, or over the first varied value of a table: a panel for each unit, in their order.
+
+        Numbered columns, such as `speed[1]` to `speed[40]`, are one quantity. Seven or more of them have a scale of
+        colours, and the legend names the first and the last.
 
         Parameters
         ----------
         *names : str
-            The columns; by default all.
+            The columns. By default those of the first four units that change: the first quantity of each, and further
+            ones that can be seen beside it while a panel has at most six lines.
 
         Returns
         -------
         Figure
-            A Matplotlib figure.
+            A Matplotlib figure, which a notebook shows.
 
         Raises
         ------
         KeyError
             If a column does not exist.
+        ImportError
+            If Matplotlib is not installed.
         """
         with named_extras():
-            from matplotlib.figure import Figure  # heavy
+            from fmu_src.cosimulation.recording_chart import chosen_columns, draw  # heavy
 
-        first, *others = self.names
-        shown = [self._known(name) for name in names or others]
-        units = list(dict.fromkeys(self.units[name] for name in shown))
-        figure = Figure(figsize=(8.0, 1.0 + 2.2 * len(units)), layout="constrained")
-        charts = figure.subplots(len(units), sharex=True, squeeze=False)[:, 0]
-        for chart, unit in zip(charts, units, strict=True):
-            for name in (one for one in shown if self.units[one] == unit):
-                chart.plot(self[first], self[name], label=name)
-            chart.set_ylabel(f"[{unit}]")
-            chart.legend(loc="best")
-            chart.grid(True, linewidth=0.3)
-        charts[-1].set_xlabel(f"{first} [{self.units[first]}]")
-        return figure
+        return draw(self, [self._known(name) for name in names] or chosen_columns(self))
 
-    def write(self, path: str | Path, metadata: Mapping[str, str] | None = None) -> Path:
+    def write(self, path: str | Path, metadata: Mapping[str, str] | None = None, provenance: bool = True) -> Path:
         """Write the table to a file that logs are read from; a failed write leaves the file that was there.
 
         Parameters
@@ -175,6 +233,8 @@ class Recording(FormerNames):
             Its end is .csv, .parquet, .mat (MATLAB), .mf4 (MDF) or .h5 (HDF5). All digits are kept.
         metadata : mapping of str to str, optional
             Strings that describe the table, by name: remarks in a CSV, metadata in other formats.
+        provenance : bool
+            Whether the file has the provenance: comment lines (`#`) at the head of a CSV, metadata in other formats.
 
         Returns
         -------
@@ -190,7 +250,8 @@ class Recording(FormerNames):
         StorageError
             If the file cannot be written.
         """
-        return write_columns(Path(path), self._columns, self.units, metadata)
+        about = metadata_of(self.provenance, Path(path).name) if provenance else {}
+        return write_columns(Path(path), self._columns, self.units, about | dict(metadata or {}))
 
     @classmethod
     def read(cls, path: str | Path) -> Recording:
@@ -222,17 +283,39 @@ class Recording(FormerNames):
         Returns
         -------
         pandas.DataFrame
-            The columns; `attrs["units"]` has the units.
+            The columns; `attrs` has `units` by name, `messages` and `provenance`.
 
         Raises
         ------
         ImportError
             If pandas is not installed.
         """
-        try:
+        with named_extras():
             import pandas
-        except ImportError as error:
-            raise ImportError("A data frame needs pandas: pip install pandas") from error
+
         frame = pandas.DataFrame(self._columns)
-        frame.attrs["units"] = dict(self.units)
+        frame.attrs |= {"units": dict(self.units), "messages": list(self.messages), "provenance": self.provenance}
         return frame
+
+    def to_xarray(self) -> Any:
+        """Return a data set.
+
+        Returns
+        -------
+        xarray.Dataset
+            A variable for each column over the first one, with its unit as the attribute `units`. `coordinates` are
+            coordinates. Attributes are `messages`, a line for each, and `provenance`, a JSON text.
+
+        Raises
+        ------
+        ImportError
+            If xarray is not installed.
+        """
+        first = self.names[0]
+        columns = {name: (first, values, {"units": self.units[name]}) for name, values in self.items()}
+        places = {name: columns.pop(name) for name in self.coordinates}
+        attributes = {"messages": "\n".join(self.messages), KEY: json_of(self.provenance)}
+        with named_extras():
+            import xarray
+
+        return xarray.Dataset(columns, coords=places, attrs=attributes)

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from products.sources import sources
 from products.study.points import (
     AHEAD,
     Evaluate,
@@ -19,7 +20,6 @@ from products.study.points import (
     Point,
     SweepError,
     outcomes_from,
-    sources,
 )
 from readers.extras import named_extras
 from readers.text import BadInputError

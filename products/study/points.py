@@ -20,7 +20,6 @@ from queue import SimpleQueue
 from typing import Any, TypeVar
 
 from fmu_src.progress import hide_bars
-from products.sources import CODE, HOUSE, digest
 from readers.documents import is_number
 from readers.storage import is_full
 from readers.text import shown
@@ -100,14 +99,6 @@ def judge(found: Any, promised: Sequence[str]) -> Outcome:
             return Outcome(failure=f"The point returned {name} = {got}, which is not a finite number.")
         results[name] = None if value is None else float(value)
     return Outcome(results)
-
-
-def sources() -> str:
-    """Return a digest of all equations, scenarios and C sources of this checkout; points of two digests share no table.
-
-    Layout of results, figures and styles of pages do not change it.
-    """
-    return digest("build_fmu.py", *HOUSE, kinds=CODE)
 
 
 def check_point(point: Point, outcome: Outcome) -> None:

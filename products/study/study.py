@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from fmu_src.progress import counting
-from products.sources import versions
+from products.sources import sources, versions
 from products.study.journal import JOURNAL, Journal, only_writer
-from products.study.points import Evaluate, Evaluator, Outcome, Point, SweepError, check_point, sources
+from products.study.points import Evaluate, Evaluator, Outcome, Point, SweepError, check_point
 from products.study.table import remove_table, write_table
 from readers.storage import is_full, sync_folder
 
@@ -22,7 +22,7 @@ class Study:
 
     name: of its folder and its bar. units: of the varied parameters, then of the results. results: their names. points:
     varied values, by the numbers of the points. head: settings that all points of one table share, in addition to the
-    code.
+    code. provenance: of the table.
     """
 
     name: str
@@ -31,6 +31,7 @@ class Study:
     points: Sequence[Point]
     evaluate: Evaluate
     head: Mapping[str, Any]
+    provenance: Mapping[str, Any] = field(default_factory=dict)
 
 
 def outcomes_of(study: Study, run_points: Evaluator, journal: Journal | None = None) -> dict[int, Outcome]:
@@ -89,7 +90,7 @@ def kept_outcomes_of(
                 outcomes_of(study, run_points, journal)
         outcomes = [journal.outcomes[number] for number in range(len(study.points))]
         counts = {"points": len(outcomes), "failed": sum(outcome.failure is not None for outcome in outcomes)}
-        return outcomes, write_table(folder, study.units, study.points, outcomes, head | counts)
+        return outcomes, write_table(folder, study.units, study.points, outcomes, head | counts, study.provenance)
 
 
 @contextmanager

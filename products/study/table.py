@@ -5,6 +5,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from fmu_src.cosimulation.provenance_text import KEY, metadata_of
 from products.study.points import Outcome, Point
 from readers.documents import document_text
 from readers.extras import MissingExtraError
@@ -23,6 +24,7 @@ def write_table(
     points: Sequence[Point],
     outcomes: Sequence[Outcome],
     summary: Mapping[str, Any],
+    provenance: Mapping[str, Any],
 ) -> list[str]:
     """Write the files and return their names; without pyarrow there is no Parquet. units: of the columns, by name.
 
@@ -36,8 +38,9 @@ def write_table(
     written = []
     for name in FILES[:-1]:
         with suppress(MissingExtraError):
-            written.append(write_columns(folder / name, columns, units).name)
-    write_whole(folder / FILES[-1], document_text(summary).encode())
+            written.append(write_columns(folder / name, columns, units, metadata_of(provenance, name)).name)
+    document = dict(summary) | ({KEY: dict(provenance)} if provenance else {})
+    write_whole(folder / FILES[-1], document_text(document).encode())
     return [*written, FILES[-1]]
 
 

@@ -14,6 +14,7 @@ from brake_controller.air import AMBIENT
 from brake_controller.distributors import DISTRIBUTORS, kind_of
 from brake_controller.drivers_valve import POSITIONS
 from fmu_src.cosimulation.recording import Recording
+from products.run_history import RunHistory
 from products.train.consist import Consist
 from products.train.inputs import Inputs, wrong_input
 from products.train.layout import INITIAL, INPUTS, OUTPUTS, START_PIPE_PRESSURE, SUMS, Array
@@ -27,7 +28,7 @@ from readers.usual import almost_0, is_almost_0, likely_unit, note
 #: Longest time of `advance` or `record` [s], and largest number of values [1].
 LONGEST, MOST = 86400.0, 1e8
 #: Attributes of a train that are set, beside its properties.
-SETTABLE = ("consist", "settings", "imported", "inputs")
+SETTABLE = ("consist", "settings", "imported", "inputs", "run_history")
 #: Outputs that are recorded.
 RECORDED = [one for one in OUTPUTS if one.name not in ("brake_force", "mean_coupler_force")]
 #: Outputs that are recorded only of trains with brakes that warm up.
@@ -142,6 +143,8 @@ class Train:
         if wrong:
             raise ValueError(f"These vehicles, settings or line make no train: {wrong.decode()} cannot be.")
         self._mark = hashlib.sha256(numbers.tobytes()).digest()
+        self.run_history: RunHistory | None = None
+        self._noted_inputs: dict[str, bytes] = {}
         self._volumes = volumes_of(consist, self.settings)
         self._own = self._call.train_create(numbers.ctypes.data, numbers.size)
         if not self._own:
@@ -151,6 +154,7 @@ class Train:
         self.inputs = Inputs(
             {input_.name: self._view(self._call.train_input, row) for row, input_ in enumerate(INPUTS)}
         )
+        self._noted_inputs = {name: array.tobytes() for name, array in self.inputs.items()}
         self._outputs = {name: self._view(self._call.train_output, row) for name, row in OUTPUT.items()}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
         self._recorded = _recorded_of(consist)
@@ -177,6 +181,28 @@ class Train:
         Raises ValueError if an input or the state is not finite; the train keeps its last state then.
         """
         within("The time", time, 0.0, LONGEST, "s")
+        self._note("advance", time)
+        self._advance(time)
+
+    @property
+    def mark(self) -> str:
+        """Digest of vehicles, settings and line."""
+        return self._mark.hex()[:24]
+
+    def _note(self, step: str, *arguments: float) -> None:
+        """Add a step to the history, after the inputs that changed since the last one."""
+        if self.run_history is None:
+            return
+        now = {name: array.tobytes() for name, array in self.inputs.items()}
+        if now != self._noted_inputs:
+            changed = {
+                name: self.inputs[name].tolist() for name, those in now.items() if those != self._noted_inputs[name]
+            }
+            self.run_history.add("inputs", changed, numbers=sum(map(len, changed.values())))
+            self._noted_inputs = now
+        self.run_history.add(step, *map(float, arguments))
+
+    def _advance(self, time: float) -> None:
         for name, lacks in self._idle.items():
             if self.inputs[name].any():
                 raise ValueError(f"inputs[{name!r}] must be 0: no vehicle has {lacks}, and it has no effect. Reset it.")
@@ -226,14 +252,17 @@ class Train:
             raise ValueError(
                 f"The interval must be longer; got {interval:g} s, more than {MOST:g} numbers in {seconds:g} s."
             )
+        self._note("record", seconds, interval)
         rows = [self._row()]
         for _ in range(round(seconds / interval)):
             moving = bool(self.speed.any())
-            self.advance(interval)
+            self._advance(interval)
             rows.append(self._row())
             if moving and not self.speed.any():
                 break
-        return Recording(units, np.array(rows), self._notes)
+        return Recording(
+            units, np.array(rows), self._notes, provenance=self.run_history.snapshot() if self.run_history else None
+        )
 
     def _names(self, output: str) -> list[str]:
         return [f"{output}[{n + 1}]" for n in range(len(self._outputs[output]))]
@@ -296,6 +325,11 @@ class Train:
                 "The state must be one that this train has saved; got changed numbers, or the state of another train."
             )
         self._call.train_load(self._own, given.ctypes.data)
+        self._discard_history("a saved state was restored")
+
+    def _discard_history(self, reason: str) -> None:
+        if self.run_history is not None:
+            self.run_history.discard(reason)
 
     def _checksum(self, numbers: NDArray[np.float64]) -> float:
         """Return the checksum of a state of this train's vehicles, settings and line.
@@ -319,6 +353,7 @@ class Train:
     def motion(self, state: NDArray[np.float64]) -> None:
         """Set positions, speeds and rest positions."""
         self._call.train_set_motion(self._own, np.ascontiguousarray(state, float).ctypes.data)
+        self._discard_history("its motion was set")
 
     def lead(self, vehicle: int, speed: float) -> None:
         """Set the speed of a vehicle from outside [m/s] from now on."""

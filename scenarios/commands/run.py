@@ -101,7 +101,8 @@ def run(chosen: argparse.Namespace) -> int:
     elapsed = stopwatch()
     with bars(chosen), ticking(scenario.name, wall_seconds(out / scenario.name)):
         report = scenario.run(options)
-        folder = save(report, scenario.name, out, elapsed(), further)
+        given = {name: getattr(options, name) for name in sorted(options.given)}
+        folder = save(report, scenario.name, out, elapsed(), further, given)
     if chosen.json:
         print((folder / "summary.json").read_text(encoding="utf-8"), end="")
     elif not chosen.quiet:

@@ -25,6 +25,7 @@ from pathlib import Path
 
 from bogie_braking.common_options import add_out, add_speech, bars, describe
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
+from products.run_history import provenance_of
 from products.study.cluster import cluster
 from products.study.grid import grid_of, points_of
 from products.study.journal import JOURNAL, Journal
@@ -87,7 +88,8 @@ def study_of(chosen: argparse.Namespace) -> Study:
     }
     units = {one: sweepable.parameters[one] for one in grid} | dict(sweepable.results)
     promised = list(sweepable.results)
-    return Study(name, units, promised, points_of(grid), point_function(sweepable.run, promised), head)
+    provenance = provenance_of("scenario sweep", {"name": scenario.name, "vary": dict(grid)})
+    return Study(name, units, promised, points_of(grid), point_function(sweepable.run, promised), head, provenance)
 
 
 def evaluator(chosen: argparse.Namespace) -> AbstractContextManager[Evaluator]:

@@ -12,7 +12,9 @@ import pytest
 
 import bogie_braking as bb
 from bogie_braking import sweeping
-from bogie_braking.machines import batch_machine_of
+from bogie_braking.machines import batch_machine_of, machine_of
+from bogie_braking.reducers import results_of
+from bogie_braking.single_runs import SingleRuns
 from fmu_src import elimination
 from fmu_src.batch import BatchLibrary, Ends, batch_source, compiled_batch, run_batch
 from fmu_src.kernel import Kernel, SimulationError
@@ -23,8 +25,14 @@ OUTPUTS = ["distance", "speed", "locked_1", "axle_load_1"]
 FRICTION = np.concatenate([np.linspace(0.02, 0.3, 21), [-1.0, np.nan]])
 
 
+def runs_of(what: object, duration: float, line: bb.Line | None, names: list[str]) -> sweeping.Runs:
+    variables = machine_of(what, {}, line is not None).variables  # type: ignore[arg-type]
+    results = results_of(names, variables)
+    return sweeping.Runs(SingleRuns(what, duration, line, results, 0.01), {})  # type: ignore[arg-type]
+
+
 def alone(what: object, duration: float, line: bb.Line | None, row: dict[str, float]) -> tuple[list[float], str]:
-    one = sweeping.Runs(what, duration, line, OUTPUTS, {}).end(row)  # type: ignore[arg-type]
+    one = runs_of(what, duration, line, OUTPUTS).end(row)
     if one.results is None:
         return [np.nan] * len(OUTPUTS), str(one.failure)
     return [np.nan if end is None else end for end in one.results.values()], one.message
@@ -156,7 +164,7 @@ def test_a_system_with_algebraic_states_is_in_its_lane_what_it_is_alone() -> Non
     speeds = np.linspace(5.0, 40.0, 11)
     ends = bb.batch("wheelset", 3.0, ["speed", "distance"], messages=True, initial_speed=speeds)
     for speed, *found in zip(speeds.tolist(), ends["speed"], ends["distance"], strict=True):
-        run = sweeping.Runs("wheelset", 3.0, None, ["speed", "distance"], {}).end({"initial_speed": speed})
+        run = runs_of("wheelset", 3.0, None, ["speed", "distance"]).end({"initial_speed": speed})
         assert run.results == dict(zip(["speed", "distance"], found, strict=True))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import subprocess
 import sys
@@ -151,15 +150,15 @@ def test_charts_have_every_column_whole_and_with_its_unit(report: Page, folder: 
             drawn: chart.querySelectorAll(".scatterlayer .trace").length === chart.data.length,
             count: chart.calcdata[n].length, sum: chart.calcdata[n].reduce((sum, { y }) => sum + y, 0)})))"""
     )
-    with (folder / NAME / "timeseries.csv").open() as file:
-        heads, *rows = list(csv.reader(file))
-    sums = np.array(rows, dtype=float).sum(axis=0)
+    series = Recording.read(folder / NAME / "timeseries.csv")
+    heads = [f"{name} [{unit}]" for name, unit in series.units.items()]
+    sums = [values.sum() for values in series.values()]
     assert {f"{line['name']} {line['unit']}" for line in shown} == set(heads[1:])
     assert len(shown) == len(heads) - 1
     for line in shown:
         assert line["drawn"]
         assert line["along"] == heads[0]
-        assert line["count"] == len(rows)
+        assert line["count"] == series.rows
         assert line["sum"] == pytest.approx(sums[heads.index(f"{line['name']} {line['unit']}")], rel=1e-5, abs=1e-5)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import pytest
 from bogie_braking.__main__ import main
 from bogie_braking.profiles.profile_files import sides_from_files
 from bogie_braking.reporting.scenario import Options
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.geometry import contact_at, gauge_face
 from rbd_model.contact.profiles import JOINTS_60KG, rail_60kg, rail_head
 from scenarios.thesis import contact_geometry
@@ -50,16 +50,13 @@ def test_conicity_of_files_is_that_of_en_15302_at_every_amplitude(
     assert main(["run", "contact-geometry", *arguments, "--out", str(tmp_path)]) == 0
     folder = tmp_path / "contact-geometry"
     assert {path.name for path in folder.iterdir()} == {"figure.png", "summary.json", "timeseries.csv", "conicity.csv"}
-    amplitude, found = np.loadtxt(folder / "conicity.csv", delimiter=",", skiprows=1).T
+    amplitude, found = Recording.read(folder / "conicity.csv").values()
     asked, _, upper, lower = en_15302(case)
     assert 1e3 * amplitude == pytest.approx(asked)
     assert np.all((found <= upper) & (found >= lower))
-    with (folder / "timeseries.csv").open() as file:
-        heads, *rows = csv.reader(file)
-    assert {"shift [m]", "radius_difference [m]", "contact_angle_left [rad]", "position_on_rail_right [m]"} <= set(
-        heads
-    )
-    assert np.all(np.isfinite(np.array(rows, float)))
+    series = Recording.read(folder / "timeseries.csv")
+    assert {"shift", "radius_difference", "contact_angle_left", "position_on_rail_right"} <= set(series)
+    assert all(np.all(np.isfinite(values)) for values in series.values())
     shown = {row["quantity"]: row["simulated"] for row in json.loads((folder / "summary.json").read_text())["rows"]}
     assert shown["equivalent conicity at 3 mm"] == pytest.approx(float(np.interp(3e-3, amplitude, found)))
 

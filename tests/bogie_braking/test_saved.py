@@ -12,10 +12,12 @@ from typing import Any
 import pytest
 
 from bogie_braking.controllers.table import write_document
+from bogie_braking.repeating import repeat
 from bogie_braking.reporting.plots import single
 from bogie_braking.reporting.report import Report, Row, at_most, exchange, save
 from bogie_braking.reporting.saved import SavedRun, Sweep, read
 from fmu_src.cosimulation.recording import Recording
+from products.sources import sources
 
 MUTATIONS = 2000
 Summary = dict[str, Any]
@@ -164,5 +166,10 @@ def test_documents_for_programs_have_null_where_a_number_is_not_finite(tmp_path:
     path = tmp_path / "controllers" / "compare.json"
     about = {"runs": [{"distance": math.nan, "sliding": (1.0, math.inf)}], "vehicle": "bogie"}
     text = write_document(path, about)
-    assert json.loads(text) == {"runs": [{"distance": None, "sliding": [1.0, None]}], "vehicle": "bogie"}
+    found = json.loads(text)
+    provenance = found.pop("provenance")
+    assert found == {"runs": [{"distance": None, "sliding": [1.0, None]}], "vehicle": "bogie"}
+    assert (provenance["function"], provenance["sources"]) == ("controllers compare", sources())
+    with pytest.raises(ValueError, match="bogie-braking controllers compare, with the settings in the file"):
+        repeat(path)
     assert path.read_text(encoding="utf-8") == text

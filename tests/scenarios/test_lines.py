@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from pathlib import Path
@@ -15,6 +14,7 @@ from bogie_braking.__main__ import main
 from bogie_braking.reporting.line_picture import charts_of, draw_line
 from bogie_braking.reporting.plots import plt
 from evidence.numerics import levels_in_curves
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.track.line import Line, arc, clothoid, line_of, straight
 from scenarios.bench.curves import into_curve, suited_cant
 from scenarios.lines import curve_braking, gradient, transition
@@ -31,11 +31,11 @@ def test_line_of_ones_own_is_run_to_its_end(tmp_path: Path) -> None:
     assert main(["run", "line-from-file", "--line", str(path), "--out", str(tmp_path)]) == 0
     folder = tmp_path / "line-from-file"
     assert json.loads((folder / "summary.json").read_text())["parameters"]["line"] == str(path)
-    with (folder / "timeseries.csv").open() as file:
-        heads, *rows = csv.reader(file)
-    series = dict(zip(heads, np.array(rows, float).T, strict=True))
-    assert 175.0 <= series["distance [m]"][-1] < 178.0
-    assert np.mean(series["lateral_1 [m]"][-40:]) > 3e-3  # outwards, to the left
+    series = Recording.read(folder / "timeseries.csv")
+    assert 175.0 <= series["distance"][-1] < 178.0
+    assert np.mean(series["lateral_1"][-40:]) > 3e-3  # outwards, to the left
+    with pytest.raises(ValueError, match="bogie-braking run line-from-file, with the options in its provenance"):
+        bb.repeat(folder / "timeseries.csv")
 
 
 @pytest.mark.parametrize(

@@ -70,8 +70,7 @@ def in_here(jobs: int, evaluate: Callable[[Any], Any], points: Mapping[int, Any]
 @cache
 def made_by() -> tuple[str, dict[str, str]]:
     """Return the digest of the sources and the package versions, once: finding them takes longer than a sweep here."""
-    from products.sources import versions
-    from products.study.points import sources
+    from products.sources import sources, versions
 
     return sources(), versions()
 
@@ -80,8 +79,9 @@ def made_by() -> tuple[str, dict[str, str]]:
 def catalogued(evaluator: Callable[..., Any] | None, code: tuple[str, dict[str, str]]) -> Iterator[None]:
     """Make these points scenarios; an evaluator may replace the worker processes."""
     from bogie_braking.reporting.scenario import Scenario, Sweepable
+    from products.sources import sources
     from products.study import study
-    from products.study.points import in_processes, sources
+    from products.study.points import in_processes
     from scenarios import catalogue
     from scenarios.commands import sweep as command
 

@@ -55,4 +55,4 @@ def files(folder: Path) -> dict[str, bytes]:
 
 def rows(folder: Path) -> list[list[str]]:
     with (folder / "table.csv").open(newline="", encoding="utf-8") as file:
-        return list(csv.reader(file))
+        return list(csv.reader(line for line in file if not line.startswith("#")))

@@ -18,8 +18,8 @@ from bogie_braking.__main__ import main
 from bogie_braking.reporting.scenario import Options
 from evidence.numerics.levels import one_stop as stop_of_levels
 from fmu_src.cosimulation.recording import Recording
+from products.sources import sources as sources_of_points
 from products.study.grid import evenly_spaced
-from products.study.points import sources as sources_of_points
 from products.study.table import FILES
 from rbd_model.vehicle.parameters import AS_PRINTED
 from scenarios.catalogue import SCENARIOS

@@ -146,10 +146,10 @@ def test_a_table_without_room_is_left_out_and_comes_later(
     folder = tmp_path / "sweep-cheap"
     table = files(folder)
 
-    def full(path: Path, content: bytes) -> None:
+    def full(*given: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("products.study.table.write_whole", full)
+    monkeypatch.setattr("products.study.table.write_columns", full)
     assert small(tmp_path) == 3
     assert f"{folder} must have room for the results; got 'No space left on device'." in capsys.readouterr().err
     assert not files(folder)
