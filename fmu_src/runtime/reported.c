@@ -28,7 +28,7 @@ static bool is_power_of_two(double count) {
     return frexp(count, &exponent) == 0.5;
 }
 
-static void tell(kernel *self, int i, const char *word, double offset, bool counted) {
+static void tell_mode(kernel *self, int i, const char *word, double offset, bool counted) {
     const double times = fabs(self->run.reported[i]);
     if (!kernel_is_heard(self, KERNEL_OK) || !is_power_of_two(times)) return;
     char when[TIME_TEXT];
@@ -56,13 +56,13 @@ static bool follow(kernel *self, int i, double offset) {
     if (stuck && counts && !counted) {
         if (friction->whole >= 0) *reported = 0.0;
         *reported = -(*reported + 1.0);
-        tell(self, i, friction->stuck_word, offset, true);
+        tell_mode(self, i, friction->stuck_word, offset, true);
         if (friction->whole >= 0) begin_anew(self);
         return true;
     }
     if (!counted || (stuck ? counts : !slides)) return false;
     *reported = -*reported;
-    if (slides) tell(self, i, friction->sliding_word, offset, false);
+    if (slides) tell_mode(self, i, friction->sliding_word, offset, false);
     return true;
 }
 
