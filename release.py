@@ -65,8 +65,8 @@ WHEELS = {
     "win_amd64": "win64",
     "macosx_11_0_universal2": "darwin64",
 }
-#: Widths of the lanes of processors that have one alone.
-LANES = {"aarch64-linux": (2,)}
+#: Widths of lanes; processors of ARM have the first alone.
+LANES = (2, 4, 8)
 
 
 def copy_sources(folder: Path) -> None:
@@ -88,7 +88,7 @@ def fill(folder: Path, platform: str) -> None:
         model = model_of(name)
         (folder / "kernel" / f"{name}{suffix}").write_bytes(binary_of(generate(model), targets, fmu=False))
         (folder / variables_file(name)).write_text(json.dumps(variables_table(model)), encoding="utf-8")
-    fill_machines(folder, targets, suffix, LANES.get(place, (2, 4, 8)))
+    fill_machines(folder, targets, suffix)
     for name in LINEAR:
         kernel = folder / linear_kernel_file(name, suffix)
         kernel.write_bytes(binary_of(generate(linear_model(name)), targets, fmu=False))
@@ -106,8 +106,8 @@ def fill(folder: Path, platform: str) -> None:
     write_contents(folder, platform, DIFFERENT)
 
 
-def fill_machines(folder: Path, targets: Sequence[str], suffix: str, widths: Sequence[int]) -> None:
-    """Write the ready machines of the test rig: tables of variables, kernels, and kernels in lanes of these widths."""
+def fill_machines(folder: Path, targets: Sequence[str], suffix: str) -> None:
+    """Write the ready machines of the test rig: tables of variables, kernels, and kernels in lanes of each width."""
     (folder / "machines").mkdir(exist_ok=True)
     for name, machine in READY.items():
         model = machine_model(machine)
@@ -115,9 +115,10 @@ def fill_machines(folder: Path, targets: Sequence[str], suffix: str, widths: Seq
         about = {"variables": variables_table(model), "states": list(system.states)}
         (folder / f"{name}.json").write_text(json.dumps(about), encoding="utf-8")
         (folder / f"{name}{suffix}").write_bytes(binary_of(generate(model), targets, fmu=False))
-        for lanes in widths:
-            binary = binary_of(lane_sources(model, system), targets, fmu=False, lanes=lanes)
-            (folder / f"{name}-{lanes}-lanes{suffix}").write_bytes(binary)
+        for lanes in LANES:
+            if able := [target for target in targets if lanes == LANES[0] or target.startswith("x86")]:
+                binary = binary_of(lane_sources(model, system), able, fmu=False, lanes=lanes)
+                (folder / f"{name}-{lanes}-lanes{suffix}").write_bytes(binary)
 
 
 def pack(kind: str, sources: Path, out: Path) -> None:

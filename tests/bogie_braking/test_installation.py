@@ -333,6 +333,19 @@ def test_archive_holds_the_fmus_for_all_platforms_sets_and_systems(
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("place", release.WHEELS.values())
+def test_ready_machines_are_in_the_lanes_of_each_processor(
+    place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """ARM has two doubles in a vector, x86-64 up to eight."""
+    name, machine = next(iter(release.READY.items()))
+    monkeypatch.setattr(release, "READY", {name: machine})
+    release.fill_machines(tmp_path, *PLATFORMS[place])
+    lanes = {path.name.split("-")[-2] for path in tmp_path.rglob("*-lanes*")}
+    assert lanes == ({"2"} if place == "aarch64-linux" else {"2", "4", "8"})
+
+
+@pytest.mark.long
 def test_from_an_empty_machine_to_all_that_is_ready(tmp_path: Path) -> None:
     """The whole wheel of this platform is reproducible, and runs `ready.py` without extras and a compiler."""
     for folder in ("one", "two"):
