@@ -6,6 +6,7 @@ import io
 import json
 import sys
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -78,6 +79,12 @@ def test_data_frame_and_data_set_have_units(stop: bb.Recording) -> None:
     units = {"number": "1", "torque": "N.m", "distance": "m"}
     table = bb.Recording(units, [[0.0, 5e3, 9.0], [1.0, 4e3, 8.0]], coordinates=["number", "torque"])
     assert set(table.to_xarray().coords) == {"number", "torque"}
+
+
+@pytest.mark.parametrize("end", [".csv", ".parquet", ".mat", ".mf4"])
+def test_numbered_columns_come_back_from_files(end: str, train: bb.Recording, tmp_path: Path) -> None:
+    """The brackets of `speed[1]` hold the number of a vehicle, and those of the unit are behind them."""
+    assert bb.Recording.read(train.write(tmp_path / f"train{end}")) == train
 
 
 def test_a_missing_package_is_told_with_its_remedy(stop: bb.Recording, monkeypatch: pytest.MonkeyPatch) -> None:
