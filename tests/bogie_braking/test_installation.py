@@ -28,6 +28,7 @@ from fmu_src.compile import CACHE, compiler
 from fmu_src.native_fmu import PLATFORMS
 from products.sources import HOUSE, ROOMS
 from readers.extras import EXTRAS
+from readers.toml_files import toml_of
 from scenarios.catalogue import EVIDENCE, SCENARIOS
 
 #: The compiled FMU of the scenario that these tests run; a release compiles more.
@@ -312,6 +313,19 @@ def test_what_is_imported_without_a_way_out_is_installed_with_the_rest() -> None
     others = found - set(sys.stdlib_module_names) - {*HOUSE, "build_fmu"} - LOOKED_FOR
     assert {"jinja2", "scipy"} <= others
     assert others <= asked
+
+
+def test_a_message_about_a_missing_package_names_the_extra_that_brings_it() -> None:
+    extras = toml_of(ROOT / "pyproject.toml")["project"]["optional-dependencies"]
+
+    def brought(extra: str) -> set[str]:
+        own = [Requirement(text) for text in extras[extra]]
+        return {one.name for one in own} | {
+            name for one in own for inner in one.extras & {*extras} for name in brought(inner)
+        }
+
+    for package, (extra, _) in EXTRAS.items():
+        assert package in brought(extra), f"{package} is not in {extra}"
 
 
 @pytest.mark.long
