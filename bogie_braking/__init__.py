@@ -11,6 +11,12 @@ from fmu_src import __name__ as _place_of_a_room
 from fmu_src import __version__ as __version__
 
 if TYPE_CHECKING:
+    from bogie_braking import adhesion as adhesion
+    from bogie_braking import brakes as brakes
+    from bogie_braking import equations as equations
+    from bogie_braking import etcs as etcs
+    from bogie_braking import gym as gym
+    from bogie_braking import logs as logs
     from bogie_braking import parts as parts
     from bogie_braking import running as running
     from bogie_braking.batches import batch as batch
@@ -61,7 +67,7 @@ if TYPE_CHECKING:
 
 #: Module of each public name; it is imported on first use.
 _HOMES = {
-    "bogie_braking": ("parts", "running"),
+    "bogie_braking": ("adhesion", "brakes", "equations", "etcs", "gym", "logs", "parts", "running"),
     "bogie_braking.batches": ("batch", "instances"),
     "bogie_braking.calibration": ("fit",),
     "bogie_braking.creep_curves": ("creep_curve",),

@@ -20,9 +20,7 @@ from brake_controller.wheel_slide import COMMANDS
 from products.machine import MACHINES
 from products.protection.draws import drawn_run
 from products.protection.environment import DrawsRun, Environment
-from products.protection.runs import Fault as Fault
-from products.protection.runs import Run as Run
-from products.protection.runs import Stop
+from products.protection.runs import Fault, Run, Stop
 from readers.extras import named_extras
 
 with named_extras():
@@ -31,6 +29,8 @@ with named_extras():
     from gymnasium.utils import seeding
     from gymnasium.vector import AutoresetMode, VectorEnv
     from gymnasium.vector.utils import batch_space
+
+__all__ = ["Fault", "Run", "WheelSlide", "WheelSlideVector"]
 
 NAME = "bogie_braking/WheelSlide-v0"
 Numbers = np.ndarray

@@ -6,7 +6,7 @@ A line `<!-- generated: NAME -->` on a page is replaced by the text that `genera
 import importlib
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -19,9 +19,15 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(row)} |" for row in [heads, ["---"] * len(heads), *rows])
 
 
-def filled(page: str) -> str:
-    """Return a page with its generated parts."""
-    return MARK.sub(lambda mark: importlib.import_module(mark[1]).generated().strip("\n"), page)
+def filled(page: str, without: Collection[str] = ()) -> str:
+    """Return a page with its generated parts, but for the named ones."""
+    return MARK.sub(lambda mark: mark[0] if mark[1] in without else generated(mark[1]), page)
+
+
+def generated(name: str) -> str:
+    """Return the part that a file of this folder generates."""
+    text: str = importlib.import_module(name).generated()
+    return text.strip("\n")
 
 
 def main() -> int:

@@ -1,25 +1,20 @@
-"""A page for each scenario on the site: its purpose, and the figures and table of its last run.
+"""A page for each scenario on the site: its purpose, command and options, and the results of its last run.
 
-  python docs/generate/scenario_pages.py    runs scenarios that have no results in results/ yet
-
-The scenarios of `make charts` take some ten minutes and have their figures and numbers in docs/.
+Results are those in results/, or the committed ones in docs/. Nothing is run for a page.
 """
 
-import subprocess
-import sys
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from catalogue import options
 from pages import DOCS, ROOT, table
 
-from bogie_braking.exit_status import DOES_NOT_HOLD
-from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import VERDICTS, number, parted
 from bogie_braking.reporting.scenario import Scenario
 from readers.documents import read_document
-from scenarios.catalogue import SCENARIOS
 
 RESULTS = ROOT / "results"
 HEADS = ("quantity", "unit", "thesis", "simulated", "asked", "holds", "source")
@@ -56,15 +51,21 @@ def messages_of(name: str) -> dict[str, str]:
 
 def scenario_page(scenario: Scenario, module: ModuleType) -> str:
     """The text of its page; module: the file that holds it."""
-    lines = [f"# {scenario.name}", f"{scenario.summary}.", (module.__doc__ or "").strip()]
+    about = re.sub(r"\]\((?=[\w-]+\.md)", "](../", (module.__doc__ or "").strip())
+    lines = [f"# {scenario.name}", f"{scenario.summary}.", about]
     lines += [f"```sh\npython -m bogie_braking run {scenario.name}\n```"]
+    if found := options(scenario):
+        lines += [f"Options: {found.replace('<br>', '; ')}."]
     lines += [f"![{message}]({name})" for name, message in messages_of(scenario.name).items()]
     summary = summary_of(scenario.name)
-    if summary is None:
-        lines += ["Its picture and its table come here when it has been run: `make docs` does."]
-    else:
+    if summary is not None:
         lines += [*tables(summary["rows"]), *summary["remarks"]]
         lines += [f"It took {summary['wall_seconds']:.1f} s."]
+    elif rows := read_document(DOCS / "data" / "numbers.json").get(scenario.name):
+        kept = [[quantity, number(value)] for quantity, value in rows.items()]
+        lines += ["Results that these pages cite:", table(("quantity", "simulated"), kept)]
+    else:
+        lines += ["The command prints its table of results and writes its figure into `results/`."]
     return "\n\n".join([*lines, f"In the code: `{module.__name__.replace('.', '/')}.py`."]) + "\n"
 
 
@@ -85,19 +86,3 @@ def row(one: Mapping[str, Any], heads: Sequence[str]) -> list[str]:
     cells = (one["quantity"], one["unit"], number(one["thesis"]), number(one["simulated"]), one["asked"])
     shown = dict(zip(HEADS, (*cells, VERDICTS[one["holds"]], source), strict=True))
     return [shown[head].replace("|", "\\|") for head in heads]
-
-
-def main() -> int:
-    missing = [scenario.name for scenario in SCENARIOS if summary_of(scenario.name) is None]
-    for name in (progress := counting(missing, unit="scenario")):
-        progress.set_postfix_str(name)
-        command = [sys.executable, "-m", "bogie_braking", "run", name]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-        if done.returncode > DOES_NOT_HOLD:  # the page shows a failed row
-            print(f"{name} failed. {done.stderr}", file=sys.stderr)
-            return done.returncode
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,28 +1,33 @@
-"""Hooks of MkDocs: pages in addition to those in docs/, and changes of links, places in the code and formulas.
+"""Build the site of the documentation in build/site: `make docs`.
 
-Additional pages are the README, the changelog, a page for each scenario and for each public name, and the
-notebooks with their output. The live pages, the files of a release, and a search that works from a disk are added too.
+  python docs/generate/website.py                    with the output of the notebooks
+  python docs/generate/website.py --short FOLDER     in seconds, into FOLDER: notebooks are not run, no page is compiled
+
+`write_sources` writes all pages into one folder, and `build` calls Zensical there. The pages are those of docs/, README
+and changelog, a page for each scenario, the API, notebooks with their output, the live pages and the files of a release.
 """
 
-import html
+import argparse
 import json
+import os
 import re
+import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
+import api_page
 import catalogue
 import downloads
 import front_picture
-import material
 import nbformat
+import yaml
+import zensical
 import ziamath
-from api_pages import api_pages
-from latex2mathml.converter import convert
-from mkdocs.config.defaults import MkDocsConfig
-from mkdocs.structure.files import File, Files
-from mkdocs.structure.pages import Page
 from nbconvert import MarkdownExporter
 from nbconvert.preprocessors import ExecutePreprocessor
 from pages import DOCS, ROOT, filled
@@ -31,19 +36,15 @@ from scenario_pages import messages_of, pictures_of, scenario_page
 from bogie_braking.live import page as live
 from bogie_braking.live.train_page import PAGE as TRAIN_PAGE
 from bogie_braking.live.train_page import train_page
-from products.sources import HOUSE
 
+SETTINGS = DOCS / "site.yml"
 LIVE = "live.html"
 #: Files outside docs/ by their names on the site, which starts at docs/index.md.
-OUTSIDE = {"inside/README.md": "README.md", "CHANGELOG.md": "CHANGELOG.md"}
-#: Path of a Python file of the project, and a name in it; the same as a name with dots.
-PLACE = rf"(?<![\w/])((?:{'|'.join(HOUSE)})/[\w/]+|build_fmu)\.py(?::\s(\w+(?:\.\w+)*))?"
-DOTTED = rf"((?:{'|'.join(HOUSE)})(?:\.\w+)+)"
-#: Weights of pages in the search, by the beginnings of their names: guides first, then tables, then the others.
-BOOST = {
-    **dict.fromkeys(("scenarios", "variables", "architecture", "checking", "limits"), 0.3),
-    **dict.fromkeys(("api/", "inside/", "ways", "equations", "CHANGELOG"), 0.1),
-}
+OUTSIDE = {"inside/README.md": "README.md"} | {name: name for name in ("CHANGELOG.md", "CONTRIBUTING.md", "LICENSE")}
+#: Files of docs/ that are not on the site as they are.
+NOT_COPIED = shutil.ignore_patterns("generate", "data", SETTINGS.name)
+#: Tables that the short form leaves out, as they come from the equations of all FMUs.
+FROM_EQUATIONS = ("variables", "equations")
 #: Words of users that a page answers, where its headings say them otherwise.
 WORDS = {
     "public": ["stopping distance", "first stop"],
@@ -57,66 +58,95 @@ WORDS = {
     "installation": ["license", "licence", "install"],
     "units": ["units", "signs"],
 }
+#: Colours of a terminal, which the generator always writes.
+COLOUR = re.compile(r"\x1b\[[\d;]*m")
+#: The lines between the first two of `---`: settings of a page.
+HEAD = re.compile(r"\A---\n(.*?)^---\n", re.DOTALL | re.MULTILINE)
 
 
-def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    """Add scenarios and public names to the navigation, which is empty there in mkdocs.yml."""
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description="Build the site of the documentation.")
+    parser.add_argument("folder", nargs="?", type=Path, default=ROOT / "build" / "site")
+    parser.add_argument("--short", action="store_true", help="without notebooks' output and compiled pages")
+    given = parser.parse_args(arguments)
+    folder = given.folder.resolve()
+    sources = folder.with_name(f"{folder.name}-sources")
+    write_sources(sources, given.short)
+    return build(sources, folder)
+
+
+def build(sources: Path, site: Path) -> int:
+    """Build the site from its sources; return the status of the generator, which is not 0 after a warning."""
+    path = os.pathsep.join([str(Path(__file__).parent), str(ROOT)])
+    command = [sys.executable, "-m", "zensical", "build", "--strict", "--clean", "--config-file", "mkdocs.yml"]
+    environment = os.environ | {"PYTHONPATH": path}
+    done = subprocess.run(command, cwd=sources, env=environment, capture_output=True, text=True, check=False)
+    print(COLOUR.sub("", done.stdout + done.stderr).partition("Traceback")[0].strip())
+    shutil.rmtree(site, ignore_errors=True)
+    shutil.move(sources / "site", site)  # the generator writes below the folder of its settings only
+    return done.returncode
+
+
+def write_sources(folder: Path, short: bool) -> None:
+    """Write the settings of the generator and the pages below `folder`."""
+    shutil.rmtree(folder, ignore_errors=True)
+    pages = folder / "pages"
+    shutil.copytree(DOCS, pages, ignore=NOT_COPIED)
+    for name, content in contents(short):
+        path = pages / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content.read_bytes() if isinstance(content, Path) else content.encode("utf-8"))
+    for path in pages.rglob("*.md"):
+        text = path.read_text(encoding="utf-8")
+        path.write_text(page_of_site(path.relative_to(pages).as_posix(), text, short), encoding="utf-8")
+    (folder / "mkdocs.yml").write_text(yaml.safe_dump(settings(), sort_keys=False), encoding="utf-8")
+
+
+def settings() -> dict[str, Any]:
+    """Return the settings of the generator, with the scenarios in the navigation."""
+    found: dict[str, Any] = yaml.safe_load(SETTINGS.read_text(encoding="utf-8"))
     rooms = [
         {room: [f"scenarios/{scenario.name}.md" for module in files for scenario in catalogue.scenarios_of(module)]}
         for room, files in catalogue.modules().items()
     ]
-    config.nav = completed(config.nav or [], {"Scenarios": ["scenarios.md", *rooms], "API": list(api_pages())})
-    return config
+    scenarios = next(entry for entry in found["nav"] if "Scenarios" in entry)
+    scenarios["Scenarios"] += rooms
+    found["plugins"]["mkdocstrings"]["handlers"]["python"]["paths"] = [str(ROOT)]
+    return found | {"docs_dir": "pages", "site_dir": "site"}
 
 
-def completed(nav: Any, added: dict[str, list[Any]]) -> Any:
-    """Return a navigation or a page of it, with the empty sections of these names filled."""
-    if not isinstance(nav, list):
-        return nav
-    return [
-        one if isinstance(one, str) else {name: added.get(name) or completed(one[name], added) for name in one}
-        for one in nav
-    ]
+def contents(short: bool) -> Iterator[tuple[str, str | Path]]:
+    """Yield the contents from outside docs/ by name on the site: a text or a file."""
+    notebooks = sorted(DOCS.glob("notebooks/*.ipynb"))
+    with ProcessPoolExecutor(1) as pool:  # notebooks take longest
+        run = {path.stem: pool.submit(notebook_page, path, not short) for path in notebooks}
+        yield from ((name, ROOT / path) for name, path in OUTSIDE.items())
+        yield from ((path.relative_to(ROOT).as_posix(), path) for path in ROOT.glob("products/pictures/*.png"))
+        yield from ((f"downloads/{path.name}", path) for path in downloads.files())
+        for module in chain.from_iterable(catalogue.modules().values()):
+            for scenario in catalogue.scenarios_of(module):
+                yield f"scenarios/{scenario.name}.md", scenario_page(scenario, module)
+                yield from ((f"scenarios/{name}", path) for name, path in pictures_of(scenario.name).items())
+        yield "api.md", api_page.generated()
+        yield LIVE, "" if short else live.page()
+        yield TRAIN_PAGE, "" if short else train_page()
+        yield "pictures/one-step.svg", front_picture.svg()
+        yield "assets/formulas.ttf", Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf"
+        yield "assets/instead-of-iframe-worker.js", search_from_disk()
+        yield from ((f"notebooks/{name}.md", page.result()) for name, page in run.items())
 
 
-def contents() -> Iterator[tuple[str, str | Path]]:
-    """Yield the added contents by name on the site: a text or a file."""
-    yield from ((name, ROOT / path) for name, path in OUTSIDE.items())
-    yield from ((path.relative_to(ROOT).as_posix(), path) for path in ROOT.glob("products/pictures/*.png"))
-    yield from ((f"downloads/{path.name}", path) for path in downloads.files())
-    for module in chain.from_iterable(catalogue.modules().values()):
-        for scenario in catalogue.scenarios_of(module):
-            yield f"scenarios/{scenario.name}.md", scenario_page(scenario, module)
-            yield from ((f"scenarios/{name}", path) for name, path in pictures_of(scenario.name).items())
-    yield from api_pages().items()
-    for path in sorted(DOCS.glob("notebooks/*.ipynb")):
-        yield f"notebooks/{path.stem}.md", run_notebook(path)
-    yield LIVE, live.page()
-    yield TRAIN_PAGE, train_page()
-    yield "pictures/one-step.svg", front_picture.svg()
-    yield "assets/formulas.ttf", Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf"
-    yield "assets/instead-of-iframe-worker.js", search_from_disk()
-
-
-def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the files outside docs/."""
-    for name, content in contents():
-        given = {"abs_src_path": str(content)} if isinstance(content, Path) else {"content": content}
-        files.append(File.generated(config, name, **given))
-    return files
-
-
-def run_notebook(path: Path) -> str:
-    """Return a notebook as a page with its output. Raises CellExecutionError if a cell fails."""
+def notebook_page(path: Path, run: bool) -> str:
+    """Return a notebook as a page, with its output if it is run. Raises CellExecutionError if a cell fails."""
     exporter = MarkdownExporter()
-    exporter.register_preprocessor(ExecutePreprocessor(extra_arguments=["--log-level=ERROR"]), enabled=True)
+    exporter.register_preprocessor(ExecutePreprocessor(extra_arguments=["--log-level=ERROR"]), enabled=run)
     text, _ = exporter.from_notebook_node(nbformat.read(path, 4), {"metadata": {"path": str(ROOT)}})
     return f"{text}\n\n[The notebook]({path.name})\n"
 
 
 def search_from_disk() -> str:
-    """The worker of the search as a string, as browsers start none from a file."""
-    folder = Path(material.__file__).parent / "templates/assets/javascripts/workers"
+    """Return the worker of the search as a script, as browsers start none from a file."""
+    folder = Path(zensical.__file__).parent / "templates/assets/javascripts/workers"
     (worker,) = folder.glob("search.*.js")
     return (
         'if (location.protocol === "file:") {\n'
@@ -128,27 +158,42 @@ def search_from_disk() -> str:
     )
 
 
-def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
-    """A page gets its place in the search; links between the root and docs/ hold on the site, all in one folder."""
-    name = page.file.src_uri
-    page.meta.setdefault("tags", WORDS.get(name.removesuffix(".md"), []))
-    page.meta.setdefault("search", {"boost": next((BOOST[some] for some in BOOST if name.startswith(some)), 1.0)})
+def page_of_site(name: str, text: str, short: bool) -> str:
+    """Return a page as the generator reads it: its settings, then its text with words of users for the search."""
+    head = HEAD.match(text)
+    about = yaml.safe_load(head[1]) if head else {}
+    if name.startswith("scenarios/"):  # they would hide the pages that explain them
+        about["search"] = {"exclude": True}
+    text = linked(name, text[head.end() :] if head else text, short)
+    if words := WORDS.get(name.removesuffix(".md")):
+        text = re.sub(r"^(# .*\n)", rf"\1\n<p hidden>{', '.join(words)}</p>\n", text, count=1, flags=re.MULTILINE)
+    return f"---\n{yaml.safe_dump(about)}---\n\n{text}" if about else text
+
+
+def linked(name: str, text: str, short: bool = False) -> str:
+    """Return the text of a page with its generated parts, and with links as on the site."""
     if name == "inside/README.md":
-        markdown = re.sub(r"\]\((?:docs/)?(?!#|\w+:)", "](../", markdown)
-        return re.sub(r"!\[The live page.*?\)", rf"[\g<0>](../{LIVE})", markdown)
+        text = re.sub(r"\]\((?:docs/)?(?!#|\w+:)", "](../", text)
+        return re.sub(r"!\[The live page.*?\)", rf"[\g<0>](../{LIVE})", text)
     if name.startswith("hosts/"):
-        return markdown.replace("](../../README.md", "](../inside/README.md").replace("](../../", "](../")
+        return text.replace("](../../README.md", "](../inside/README.md").replace("](../../", "](../")
     if "/" in name:
-        return markdown
-    markdown = filled(markdown)
-    if name == "equations.md":
-        markdown = re.sub(PLACE, lambda place: f"`{place.group()}`", markdown)
+        return text
+    text = filled(text, FROM_EQUATIONS if short else ())
     if name == "scenarios.md":
-        markdown = re.sub(r"^\| `([\w-]+)` ", lambda row: thumbnail(row.group(1)), markdown, flags=re.MULTILINE)
+        text = re.sub(r"^\| `([\w-]+)` ", lambda row: thumbnail(row.group(1)), text, flags=re.MULTILINE)
+    if name == "public.md":
+        text = api_page.ROW.sub(names_linked, text)
     if name == "downloads.md":
-        markdown = downloads.filled(markdown)
-    markdown = re.sub(r"\]\((?:\.\./|docs/)", "](", markdown).replace(".ipynb)", ".md)")
-    return re.sub(r"!\[The live page.*?\)", rf"[\g<0>]({LIVE})", markdown.replace("](README.md", "](inside/README.md"))
+        text = downloads.filled(text)
+    text = re.sub(r"\]\((?:\.\./|docs/)", "](", text).replace(".ipynb)", ".md)")
+    return re.sub(r"!\[The live page.*?\)", rf"[\g<0>]({LIVE})", text.replace("](README.md", "](inside/README.md"))
+
+
+def names_linked(row: re.Match[str]) -> str:
+    """Return a row of the table of public names, with each name as a link to its entry in the API."""
+    link = r'<autoref identifier="bogie_braking.\1" optional><code>\1</code></autoref>'
+    return row[0].replace(row[2], re.sub(r"`(\w+)`", link, row[2])) if row[2] else row[0]
 
 
 def thumbnail(name: str) -> str:
@@ -158,35 +203,5 @@ def thumbnail(name: str) -> str:
     return f"| [`{name}`](scenarios/{name}.md){picture} "
 
 
-def on_page_content(content: str, page: Page, **_: Any) -> str:
-    """Convert formulas to MathML, which browsers draw, and link public names in the code to the API.
-
-    Scrolling elements can be reached by keys. The numbers of scenarios are not searched: they would hide the pages that
-    explain them.
-    """
-    if page.file.src_uri.startswith("scenarios"):
-        content = content.replace("<table>", "<table data-search-exclude>")
-    content = re.sub(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', formula, content, flags=re.DOTALL)
-    content = content.replace("<pre><span></span>", '<pre tabindex="0"><span></span>')
-    content = re.sub(f"<code>{PLACE}</code>", reference, content)
-    content = re.sub(f"<code>{DOTTED}</code>", reference, content)
-    short = r"bb\.(\w+)" if page.file.src_uri != "public.md" else r"(?:bb\.)?(\w+)"
-    return re.sub(f"<code>{short}</code>", lambda one: to_api(f"bogie_braking.{one[1]}", one[0]), content)
-
-
-def formula(match: re.Match[str]) -> str:
-    """Return the MathML of a formula that arithmatex found: in a line, or a separate one, which may scroll."""
-    source = html.unescape(match.group(2))
-    if match.group(1) == "span":
-        return str(convert(source))
-    return f'<div class="formula" tabindex="0">{convert(source, display="block")}</div>'
-
-
-def reference(match: re.Match[str]) -> str:
-    """A place in the code, to be led to its entry in the API."""
-    return to_api(".".join(part for part in match.groups() if part).replace("/", "."), match.group())
-
-
-def to_api(name: str, shown: str) -> str:
-    """Return a link to the entry of a dotted name in the API; without an entry the shown text is not changed."""
-    return f'<autoref identifier="{name}" optional>{shown}</autoref>'
+if __name__ == "__main__":
+    sys.exit(main())

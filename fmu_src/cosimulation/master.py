@@ -17,7 +17,7 @@ from fmu_src.variables import LARGEST_TOLERANCE
 class Connection(NamedTuple):
     """An output that becomes an input, times a factor.
 
-    Parameters
+    Attributes
     ----------
     source, output : FmuInstance, str
         The instance and the name of its output.
