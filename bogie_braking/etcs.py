@@ -6,6 +6,7 @@
 >>> limits.P  # places of the front at which the permitted speed is 10, 20 and 30 m/s [m]
 """
 
+from bogie_braking.supervised import FromRuns, OwnStop, own_stops, supervised_train
 from bogie_braking.wet_rails import WET_RAILS, WetFactors, WetRails, wet_factors
 from products.braking_curves.train_data import fmu_parameters
 from products.etcs_files.national import read_national
@@ -19,14 +20,18 @@ __all__ = [
     *_of_supervision,
     "WET_RAILS",
     "EtcsTrain",
+    "FromRuns",
+    "OwnStop",
     "WetFactors",
     "WetRails",
     "fmu_parameters",
     "osrd_document",
+    "own_stops",
     "read_national",
     "read_osrd_train",
     "read_tolerances",
     "read_train",
+    "supervised_train",
     "train_document",
     "wet_factors",
     "write_train",

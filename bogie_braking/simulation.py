@@ -281,6 +281,24 @@ class Simulation:
             interval = size / count * (1.0 - LAST_DIGITS)
         return self._kernel.record_rows(size, interval, names)
 
+    def jacobian(self) -> np.ndarray:
+        """Return the derivatives of the equations by the states at the present state, exact.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (states, states), in the order in which the equations have their states: of the slopes, and of the
+            residuals for algebraic states.
+
+        Raises
+        ------
+        SimulationError
+            If the run has not begun.
+        """
+        if not self._kernel.initialised:
+            raise refused("A jacobian is that of a run that has begun. Call advance first.")
+        return np.array(self._kernel.linearise().jacobian)
+
     def save(self) -> bytes:
         """Return the complete state, for a file or another process; inputs over time are not included.
 

@@ -56,7 +56,24 @@ class OwnStop:
 def supervised_train(consist: Consist, largest: float, **others: Any) -> FromRuns:
     """Return the ETCS train data of a train, from stops on level, dry track.
 
-    Takes largest [m/s].
+    Parameters
+    ----------
+    consist : Consist
+        The train: `bogie_braking.train(...).consist`.
+    largest : float
+        Largest speed of the train [m/s].
+    **others
+        Further fields of `SupervisedTrain`.
+
+    Returns
+    -------
+    FromRuns
+        The train data, and the emergency and the full service stop from which they are.
+
+    Raises
+    ------
+    BadInputError
+        If a brake does not develop or the train does not stop.
     """
     emergency, service = (_brake(consist, name, largest) for name in COMMANDS)
     train = SupervisedTrain(
@@ -111,9 +128,23 @@ def _columns(record: Any, name: str, count: int) -> np.ndarray:
 
 
 def own_stops(consist: Consist, speeds: np.ndarray, places: np.ndarray, line: Line | None) -> list[OwnStop]:
-    """Return stops of the train itself that begin where its front has these speeds.
+    """Return emergency stops of the train itself.
 
-    Takes speeds [m/s], places [m].
+    Parameters
+    ----------
+    consist : Consist
+        The train: `bogie_braking.train(...).consist`.
+    speeds : numpy.ndarray
+        Speed at the start of each stop [m/s], shape (stops,).
+    places : numpy.ndarray
+        Place of the front there [m], shape (stops,).
+    line : Line or None
+        Line of the train; None: straight, level track.
+
+    Returns
+    -------
+    list of OwnStop
+        The stops, with places and speeds over time.
     """
     settings, stops = select_brake_model(consist), []
     for speed, place in zip(speeds.tolist(), places.tolist(), strict=True):

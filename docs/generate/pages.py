@@ -20,7 +20,7 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def filled(page: str, without: Collection[str] = ()) -> str:
-    """Return a page with its generated parts, but for the named ones."""
+    """Return a page with its generated parts, except for the named ones."""
     return MARK.sub(lambda mark: mark[0] if mark[1] in without else generated(mark[1]), page)
 
 

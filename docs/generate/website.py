@@ -4,7 +4,7 @@
   python docs/generate/website.py --short FOLDER     in seconds, into FOLDER: notebooks are not run, no page is compiled
 
 `write_sources` writes all pages into one folder, and `build` calls Zensical there. The pages are those of docs/, README
-and changelog, a page for each scenario, the API, notebooks with their output, the live pages and the files of a release.
+and changelog, a page for each scenario, API, notebooks with their output, live pages and the files of a release.
 """
 
 import argparse

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import os
 import re
 import shutil
@@ -244,6 +245,16 @@ def test_the_page_of_the_public_face_runs_from_a_wheel(installed: Path, tmp_path
     done = subprocess.run([installed, "page.py"], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout == "".join(text for kind, text in blocks if kind == "text")
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("name", ["stop", "hunting"])
+def test_a_notebook_runs_from_a_wheel(installed: Path, tmp_path: Path, name: str) -> None:
+    """The other one needs the extra `gym`; tests/docs/test_pages_run.py runs it from the checkout."""
+    notebook = json.loads((ROOT / "docs" / "notebooks" / f"{name}.ipynb").read_text(encoding="utf-8"))
+    code = ["".join(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    (tmp_path / "notebook.py").write_text("\n".join(code), encoding="utf-8")
+    call(installed, tmp_path, "notebook.py", MPLBACKEND="Agg")
 
 
 @pytest.mark.study

@@ -18,6 +18,7 @@ from types import ModuleType
 
 import pytest
 
+import bogie_braking as bb
 from evidence.measuring import slide_bound
 from products.sources import HOUSE
 from scenarios.catalogue import SCENARIOS
@@ -34,7 +35,6 @@ MADE = (
     "results/",
     "binaries/",
     "bogie/",
-    "rbd_model/roller_rig.py",
     "rbd_model/body/orifice_damper.py",
     "rbd_model/contact/creep/carter.py",
     "brake_controller/distributors/direct.py",
@@ -116,6 +116,23 @@ def test_what_a_page_links_to_and_names_exists(page: str) -> None:
     assert broken_links(page, text) == []
     assert unknown_places(text) == []
     assert unknown_names(text) == []
+
+
+#: A line that imports a package of this project, in an example or a notebook.
+IMPORT = re.compile(rf"^[ \">]*(?:from|import) ((?:{'|'.join((*HOUSE, 'evidence'))})[.\w]*)", re.MULTILINE)
+
+
+def inner_imports(text: str) -> list[str]:
+    """Return the imported modules that are not public."""
+    public = {"bogie_braking", "bogie_braking.__main__", *(f"bogie_braking.{name}" for name in bb.__all__)}
+    return [module for module in IMPORT.findall(text) if module not in public]
+
+
+def test_examples_import_public_names_alone() -> None:
+    """CONTRIBUTING.md is about the inside."""
+    for path in [ROOT / page for page in ("README.md", *WRITTEN)] + sorted(ROOT.glob("docs/notebooks/*.ipynb")):
+        assert inner_imports(path.read_text(encoding="utf-8")) == [], path.name
+    assert len(inner_imports((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))) > 1
 
 
 def test_what_does_not_exist_is_found() -> None:

@@ -92,12 +92,7 @@ PAGES = [
     )
     if BLOCK.search(path.read_text("utf-8"))
 ]
-WRITING = "docs/writing-a-system.md"
-#: The notebook that trains takes minutes.
-NOTEBOOKS = [
-    pytest.param(path, marks=[pytest.mark.long] if path.stem == "training" else [], id=path.stem)
-    for path in sorted(ROOT.glob("docs/notebooks/*.ipynb"))
-]
+NOTEBOOKS = [pytest.param(path, id=path.stem) for path in sorted(ROOT.glob("docs/notebooks/*.ipynb"))]
 
 
 def name(page: Path) -> str:
@@ -108,8 +103,8 @@ def name(page: Path) -> str:
 @pytest.fixture
 def checkout(request: pytest.FixtureRequest, tmp_path: Path, fmus: dict, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return a copy of a newcomer's checkout as the current folder, with the FMUs of `make demo` that a page names."""
-    given = request.node.callspec.params if hasattr(request.node, "callspec") else {}
-    page = (ROOT / str(given.get("page") or given.get("path") or WRITING)).read_text(encoding="utf-8")
+    given = request.node.callspec.params
+    page = (ROOT / str(given.get("page") or given["path"])).read_text(encoding="utf-8")
     for package in (*HOUSE, "evidence", "docs", "tests"):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
     for file in (
@@ -218,11 +213,7 @@ def run_page(page: str, instead: Mapping[str, str]) -> None:
 
 @pytest.mark.parametrize(
     "page",
-    [
-        pytest.param(page, marks=pytest.mark.study if page in SLOW else ())
-        for page in map(name, PAGES)
-        if page != WRITING
-    ],
+    [pytest.param(page, marks=pytest.mark.study if page in SLOW else ()) for page in map(name, PAGES)],
 )
 def test_a_page_runs_and_prints_what_it_says(page: str, checkout: Path) -> None:
     skip_without_extra(page)
@@ -234,14 +225,6 @@ def test_a_page_runs_and_prints_what_it_says(page: str, checkout: Path) -> None:
 def test_a_page_runs_whole(page: str, checkout: Path) -> None:
     skip_without_extra(page)
     run_page((checkout / page).read_text(encoding="utf-8"), DRY)
-
-
-@pytest.mark.study
-def test_a_newcomer_gets_from_equations_to_an_fmu_and_its_pages(checkout: Path) -> None:
-    run_page((checkout / WRITING).read_text(encoding="utf-8"), {})
-    for generator in ("numbers_of_pages", "pages"):  # make pages
-        shown_by_commands(f"python docs/generate/{generator}.py", {})
-    assert "## RollerRig\n" in (checkout / "build" / "pages" / "variables.md").read_text(encoding="utf-8")
 
 
 def test_what_is_not_as_the_page_says_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
