@@ -1,4 +1,4 @@
-"""What equations of your own are made of, besides `System`, `Variable` and `Model` (docs/writing-a-system.md)."""
+"""Parameters, tables, parts and their connections for equations of your own (docs/writing-a-system.md)."""
 
 from fmu_src.compose import compose, scope
 from fmu_src.piecewise import interpolation

@@ -95,10 +95,10 @@ def write_sources(folder: Path, short: bool) -> None:
     for name, content in contents(short):
         path = pages / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content.read_bytes() if isinstance(content, Path) else content.encode("utf-8"))
-    for path in pages.rglob("*.md"):
-        text = path.read_text(encoding="utf-8")
-        path.write_text(page_of_site(path.relative_to(pages).as_posix(), text, short), encoding="utf-8")
+        given = content.read_bytes() if isinstance(content, Path) else content.encode("utf-8")
+        if path.suffix == ".md":
+            given = page_of_site(name, given.decode("utf-8"), short).encode("utf-8")
+        path.write_bytes(given)
     (folder / "mkdocs.yml").write_text(yaml.safe_dump(settings(), sort_keys=False), encoding="utf-8")
 
 
@@ -116,24 +116,33 @@ def settings() -> dict[str, Any]:
 
 
 def contents(short: bool) -> Iterator[tuple[str, str | Path]]:
-    """Yield the contents from outside docs/ by name on the site: a text or a file."""
-    notebooks = sorted(DOCS.glob("notebooks/*.ipynb"))
-    with ProcessPoolExecutor(1) as pool:  # notebooks take longest
-        run = {path.stem: pool.submit(notebook_page, path, not short) for path in notebooks}
+    """Yield pages, and what is outside docs/, by name on the site: a text or a file."""
+    with ProcessPoolExecutor(2) as pool:  # live pages and notebooks take longest
+        if short:
+            yield from ((name, "") for name in (LIVE, TRAIN_PAGE))
+            late = {}
+        else:
+            late = {LIVE: pool.submit(live.page), TRAIN_PAGE: pool.submit(train_page)}
+        for path in sorted(DOCS.glob("notebooks/*.ipynb")):
+            late[f"notebooks/{path.stem}.md"] = pool.submit(notebook_page, path, not short)
+        yield from ((path.relative_to(DOCS).as_posix(), path) for path in DOCS.rglob("*.md"))
         yield from ((name, ROOT / path) for name, path in OUTSIDE.items())
         yield from ((path.relative_to(ROOT).as_posix(), path) for path in ROOT.glob("products/pictures/*.png"))
         yield from ((f"downloads/{path.name}", path) for path in downloads.files())
-        for module in chain.from_iterable(catalogue.modules().values()):
-            for scenario in catalogue.scenarios_of(module):
-                yield f"scenarios/{scenario.name}.md", scenario_page(scenario, module)
-                yield from ((f"scenarios/{name}", path) for name, path in pictures_of(scenario.name).items())
+        yield from scenario_contents()
         yield "api.md", api_page.generated()
-        yield LIVE, "" if short else live.page()
-        yield TRAIN_PAGE, "" if short else train_page()
         yield "pictures/one-step.svg", front_picture.svg()
         yield "assets/formulas.ttf", Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf"
         yield "assets/instead-of-iframe-worker.js", search_from_disk()
-        yield from ((f"notebooks/{name}.md", page.result()) for name, page in run.items())
+        yield from ((name, page.result()) for name, page in late.items())
+
+
+def scenario_contents() -> Iterator[tuple[str, str | Path]]:
+    """Yield the page of each scenario and its figures by name on the site."""
+    for module in chain.from_iterable(catalogue.modules().values()):
+        for scenario in catalogue.scenarios_of(module):
+            yield f"scenarios/{scenario.name}.md", scenario_page(scenario, module)
+            yield from ((f"scenarios/{name}", path) for name, path in pictures_of(scenario.name).items())
 
 
 def notebook_page(path: Path, run: bool) -> str:
