@@ -18,6 +18,11 @@ def modules() -> dict[str, list[ModuleType]]:
     return found
 
 
+def title(room: str) -> str:
+    """Return the heading of a package with scenarios."""
+    return room.partition(".")[2] + (", in a checkout" if room.startswith("evidence") else "")
+
+
 def options(scenario: Scenario) -> str:
     """Return the options on the command line, and the parameters of a sweep."""
     given = ", ".join(f"`--{name.replace('_', '-')}`" for name in sorted(scenario.takes))
@@ -41,7 +46,6 @@ def generated() -> str:
     lines = []
     for room, files in modules().items():
         about = (importlib.import_module(room).__doc__ or "").strip()
-        where = ", in a checkout" if room.startswith("evidence") else ""
         listed = table(("scenario", "content", "options"), rows(files))
-        lines += [f"## {room.partition('.')[2]}{where}\n", f"{about}\n", f"{listed}\n"]
+        lines += [f"## {title(room)}\n", f"{about}\n", f"{listed}\n"]
     return "\n".join(lines)

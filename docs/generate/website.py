@@ -106,7 +106,11 @@ def settings() -> dict[str, Any]:
     """Return the settings of the generator, with the scenarios in the navigation."""
     found: dict[str, Any] = yaml.safe_load(SETTINGS.read_text(encoding="utf-8"))
     rooms = [
-        {room: [f"scenarios/{scenario.name}.md" for module in files for scenario in catalogue.scenarios_of(module)]}
+        {
+            catalogue.title(room): [
+                f"scenarios/{scenario.name}.md" for module in files for scenario in catalogue.scenarios_of(module)
+            ]
+        }
         for room, files in catalogue.modules().items()
     ]
     scenarios = next(entry for entry in found["nav"] if "Scenarios" in entry)
