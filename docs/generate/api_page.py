@@ -39,13 +39,15 @@ def row(names: list[str], purpose: str, shown: set[str]) -> Iterator[str]:
     for place, heading in [entry for name in names for entry in entries(name)]:
         if place not in shown:
             shown.add(place)
-            yield f"::: {place}\n    options: {{ heading: '{heading}' }}"
+            alone = ", members: false" if isinstance(getattr(bb, place.rpartition(".")[2], None), ModuleType) else ""
+            yield f"::: {place}\n    options: {{ heading: '{heading}'{alone} }}"
 
 
 def entries(name: str) -> Iterator[tuple[str, str]]:
     """Yield dotted name and heading: of a public name, or of those in a public module, and of our class it returns."""
     found, place = getattr(bb, name), f"{bb.__name__}.{name}"
     if isinstance(found, ModuleType):
+        yield place, f"bb.{name}, a module"
         yield from ((f"{place}.{inner}", f"bb.{name}.{inner}") for inner in public_in(found))
         return
     yield place, f"bb.{name}"
