@@ -16,7 +16,6 @@ from readers.text import BadInputError
 EXTRAS = {
     "asammdf": ("formats", "an MDF file needs asammdf"),
     "casadi": ("build", "new equations need CasADi"),
-    "cma": ("gym", "the search needs cma"),
     "distributed": ("sweep", "--scheduler needs Dask"),
     "fmpy": ("fmu", "FMUs need FMPy"),
     "gymnasium": ("gym", "environments need gymnasium"),
