@@ -83,7 +83,7 @@ def test_where_nothing_compiles_a_sentence_says_what_to_install(
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setenv("CC", cc)
-    monkeypatch.setattr(compiling, "find_spec", lambda _: None)
+    monkeypatch.setattr(compiling, "has", lambda _: False)
     with pytest.raises(compiling.CompilerError, match=rf"{sentence}.*pip install 'bogie-braking\[compiler\]'"):
         compiling.run(["-c", "nothing.c"], target, tmp_path)
 

@@ -68,7 +68,8 @@ def test_every_operation_has_the_values_of_casadi(tmp_path: Path) -> None:
     given = ca.SX.sym("given", 2)
     one = generated(of_every_operation(given[0], given[1]), given)
     instructions = range(one.function.n_instructions())
-    assert set(OPERATIONS) - {one.function.instruction_id(number) for number in instructions} == set()
+    written = {one.function.instruction_id(number) for number in instructions}
+    assert {name for name in OPERATIONS if getattr(ca, f"OP_{name}") not in written} == set()
     for at in ([1.7, 0.3], [1.5, 0.9]):
         found, expected = values(one, at, tmp_path), one.function(at).full().ravel()
         assert found == pytest.approx(expected, rel=ROUND_OFF, abs=0.0)
