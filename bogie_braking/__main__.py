@@ -28,7 +28,7 @@ from readers.extras import named_extras
 from readers.text import BadInputError
 
 #: Printed without arguments.
-FIRST = """bogie-braking simulates how railway vehicles and trains brake. To see it: bogie-braking run demo
+FIRST = """To see a train brake in a browser: bogie-braking live. Three stops in a table: bogie-braking run demo.
 With files of yours: consist check TRAIN, vehicle check FILE, line check FILE, controllers compare CONTROLLER.
 All commands: bogie-braking --help. What is installed, and what is missing: bogie-braking doctor."""
 
