@@ -29,9 +29,9 @@ from pathlib import Path
 from brake_controller.protection_fmu import BOGIE, MOST_WHEELSETS
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
-from products.building import KINDS, NATIVE, build_all, build_controller
+from products.building import KINDS, NATIVE, build_all, build_controller, variables_of
 from products.parameter_sets import write_sets
-from products.registry import ALIASES, FMUS, IN_C, fmu_named, model_of
+from products.registry import ALIASES, FMUS, IN_C, fmu_named
 from products.systems import build_systems
 from products.train.layout import BRAKE_MODELS
 from products.train.numbers import SETTING_LIMITS
@@ -205,7 +205,7 @@ def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:
     every = chosen.platforms == "all"
     names = names_of(chosen)
     if chosen.describe:
-        print("\n".join(variable_table(model_of(name)) for name in names if name in FMUS), end="")
+        print("\n".join(variable_table(name, [*variables_of(name).values()]) for name in names if name in FMUS), end="")
         return False
     if chosen.controller:
         kind = "fmi3" if chosen.kind == "fmi3" else "native"

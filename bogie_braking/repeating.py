@@ -85,6 +85,7 @@ def _opened(result: str | Path | Recording) -> tuple[str, dict[str, Any], Record
     if isinstance(result, Recording):
         source, provenance, table = "The result", result.provenance, lambda: result
     elif isinstance(result, str | Path):
+        result = Path(result, "table.csv") if Path(result).is_dir() else result
         path = Path(result)
         source, provenance = str(path), provenance_in(path)
         table = partial(Recording.read, path.with_name("table.csv") if path.suffix == ".json" else path)

@@ -285,13 +285,13 @@ def cells(variable: Variable) -> dict[str, str]:
     }
 
 
-def variable_table(model: Model) -> str:
-    """Return the variables as Markdown: a table of the inputs, one of the outputs, one of the parameters."""
+def variable_table(name: str, variables: Sequence[Variable]) -> str:
+    """Return the variables of an FMU as Markdown: tables of inputs, outputs, parameters."""
     parts = []
     for causality in ("input", "output", "parameter"):
-        rows = [cells(variable) for variable in model.variables if variable.causality == causality]
+        rows = [cells(variable) for variable in variables if variable.causality == causality]
         if rows:
-            parts.append(f"### {causality.capitalize()}s of {model.name}\n\n{_markdown(rows)}")
+            parts.append(f"### {causality.capitalize()}s of {name}\n\n{_markdown(rows)}")
     return "\n".join(parts)
 
 

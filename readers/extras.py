@@ -15,7 +15,7 @@ from readers.text import BadInputError
 #: Extra of each optional package, and the words of its message.
 EXTRAS = {
     "asammdf": ("formats", "an MDF file needs asammdf"),
-    "casadi": ("build", "new equations need CasADi"),
+    "casadi": ("build", "equations that are not compiled need CasADi"),
     "distributed": ("sweep", "--scheduler needs Dask"),
     "fmpy": ("fmu", "FMUs need FMPy"),
     "gymnasium": ("gym", "environments need gymnasium"),

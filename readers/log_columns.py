@@ -95,6 +95,8 @@ def head_of(at: int, cell: str) -> Head:
     match = HEAD_SQUARE.fullmatch(cell) or HEAD_ROUND.fullmatch(cell)
     if match and match["unit"] is not None:
         unit = match["unit"].strip(BLANK)
+        if unit.casefold() == "utc":  # a clock, no unit
+            return Head(at, cell, f"{match['name'].strip(BLANK)} {unit}", "")
         return Head(at, cell, match["name"].strip(BLANK), unit_like(unit) or unit)
     behind = BEHIND.fullmatch(cell)
     if behind and not behind["unit"].isalnum() and (unit := unit_like(behind["unit"])):

@@ -19,12 +19,21 @@ _FAMILIES: dict[tuple[str, ...], tuple[str, ...]] = {
     ("time",): (
         *("t", "time", *words_of("time"), "tiempo", "timestamp", "time_stamp", "zeitstempel", "datetime", "date_time"),
         *("datum_zeit", "elapsed", "elapsed_time", "epoch", "unix_time", "unixtime", "utc", "utc_time", "uhrzeit"),
+        *("datum_uhrzeit", "heure", "heure_utc", "horodatage", "date_heure", "temps_utc", "timestamp_utc"),
         *("seconds", "time_of_day", "messzeit", "zeit_utc", "time_utc"),
     ),
     ("speed",): (
         *("v", "speed", "velocity", *words_of("speed"), "velocidad", "vehicle_speed", "train_speed"),
         *("v_train", "v_vehicle", "v_zug", "v_ist", "zuggeschwindigkeit", "fahrgeschwindigkeit", "gps_speed", "v_gps"),
-        *("speed_gps", "ground_speed", "actual_speed", "vitesse_train", "istgeschwindigkeit", "train_velocity"),
+        *(
+            "speed_gps",
+            "ground_speed",
+            "actual_speed",
+            "vitesse_train",
+            "vitesse_du_train",
+            "istgeschwindigkeit",
+            "train_velocity",
+        ),
     ),
     ("distance",): (*("distance", *words_of("distance"), "s", "distance_travelled", "travelled_distance", "fahrweg"),),
     ("acceleration",): ("acceleration", "a", "beschleunigung", "accel"),

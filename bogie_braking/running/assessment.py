@@ -116,17 +116,20 @@ def en14363(
     KeyError
         If a column is missing.
     ValueError
-        If a section is not within the run or shorter than 2 m, rows are uneven or more than 5 ms apart, or the vehicle
-        does not move forward.
+        If the run is not at level 3, a section is not within the run or shorter than 2 m, rows are uneven or more than
+        5 ms apart, or the vehicle does not move forward.
     """
     interval, distance = interval_of(recording), _growing(recording)
     places = _sections(sections, distance)
     assessed = _assessed(_static_loads(recording, static_axle_loads))
+    _check_level(recording, [one.column for one in assessed if one.column.startswith("wheel_load")])
     columns = {
         name: Filtered(low_pass(finite(recording, name), interval, CUT_OFF), distance)
         for name in {one.column for one in assessed}
     }
-    rows = [[n, *place, *(one.value(columns[one.column], place) for one in assessed)] for n, place in enumerate(places)]
+    rows = [
+        [n, *place, *(one.value(columns[one.column], place) for one in assessed)] for n, place in enumerate(places, 1)
+    ]
     units = {"section": "1", "begin": "m", "end": "m"} | {one.name: one.unit for one in assessed}
     table = Recording(units, rows)
     table.messages += _verdicts(table, assessed)
@@ -167,7 +170,7 @@ def ride_accelerations(accelerations: Recording, sections: Sequence[tuple[float,
     slow = Filtered(low_pass(accelerations["acceleration_y"], interval, CUT_OFF), distance)
     names = [f"acceleration_{axis}_{kind}" for axis in passed for kind in ("extreme", "rms")]
     rows = []
-    for number_of, section in enumerate(_sections(sections, distance)):
+    for number_of, section in enumerate(_sections(sections, distance), 1):
         inside = [column.rows_in(section) for column in passed.values()]
         values = [value for one in inside for value in (_larger(one), float(np.sqrt(np.mean(one**2))))]
         rows.append([number_of, *section, *values, _middle(slow, section)])
@@ -250,6 +253,14 @@ WORDS = {
 }
 
 
+def _check_level(recording: Recording, columns: Sequence[str]) -> None:
+    """Raise ValueError for a run at level 1 or 2, where all wheel loads are 0."""
+    if not any(np.any(recording[name]) for name in columns):
+        raise ValueError(
+            "The wheel loads must be above 0; got 0 N in all rows, as at levels 1 and 2. Run with level=3."
+        )
+
+
 def _verdicts(table: Recording, assessed: Sequence[Assessed]) -> list[str]:
     """Return a message for each kind of quantity with a limit: the value that is nearest to it or beyond."""
     found = []
@@ -265,5 +276,5 @@ def _verdicts(table: Recording, assessed: Sequence[Assessed]) -> list[str]:
         texts = [f"{one:.2f}" if worst.unit == "1" else f"{one / 1e3:.1f} kN" for one in (value, limit)]
         where = worst.column.removeprefix(f"{begin}_").replace("_", " ")
         verdict = "within" if value <= limit else "ABOVE"
-        found.append(f"{words}: {texts[0]}, {verdict} the limit of {texts[1]} (wheelset {where}, section {row}).")
+        found.append(f"{words}: {texts[0]}, {verdict} the limit of {texts[1]} (wheelset {where}, section {row + 1}).")
     return found

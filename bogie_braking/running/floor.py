@@ -81,11 +81,17 @@ def floor_accelerations(
     KeyError
         If the vehicle, the body or a column is unknown.
     ValueError
-        If the place is not three numbers within 50 m, or rows are uneven or more than 5 ms apart.
+        If the place is not three numbers within 50 m, the run is not at level 3, or rows are uneven or more than 5 ms
+        apart.
     """
     x, y, z = _place(place)
     interval_of(recording)
     own = _Motion.of(recording, described(vehicle), body)
+    if not any(np.any(values) for values in (own.lateral, own.roll, own.yaw)):
+        raise ValueError(
+            f"{body} must move sideways; lateral, roll and yaw are 0 in all rows, as at levels 1 and 2. Run with "
+            "level=3, not on a smooth and straight line."
+        )
     time, distance, speed = own.time, finite(recording, "distance"), finite(recording, "speed")
     laid = line_or_none(line)
     curvature, cant, gradient = (

@@ -44,7 +44,7 @@ def choices() -> str:
 
 def section(model: Model, alike: str | None) -> str:
     """Return the section of one FMU; an FMU that is like another has the same variables with other start values."""
-    text = variable_table(model)
+    text = variable_table(model.name, model.variables)
     if alike:
         text = f"Its variables are those of {model_of(alike).name}; `build_fmu.py --describe` shows its start values.\n"
     return f"## {model.name}\n\n{model.description}.\n\n{text}"

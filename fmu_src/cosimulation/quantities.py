@@ -28,8 +28,8 @@ class Table(Protocol):
 
 
 def quantity_of(name: str) -> str:
-    """Return the name of a column without its numbers: `speed[3]` and `slip_2` are numbered."""
-    return re.sub(r"\[\d+\]|_\d+(?=_|$)", "", name)
+    """Return the name of a column with # for its numbers: `speed[3]` and `slip_2` are numbered."""
+    return re.sub(r"(?<=\[)\d+(?=\])|(?<=_)\d+(?=_|$)", "#", name)
 
 
 def quantities_of(names: Iterable[str]) -> dict[str, list[str]]:

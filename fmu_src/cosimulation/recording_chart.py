@@ -65,6 +65,12 @@ def draw(recording: Table, names: Sequence[str], dots: Table | None = None) -> N
     return figure
 
 
+def _together(over: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a column without the rows of faster ones, between which its values are alone and no line is drawn."""
+    there = np.isfinite(values)
+    return (over, values) if np.any(there[1:] & there[:-1]) else (over[there], values[there])
+
+
 def _draw_panel(panel: Axes, recording: Table, over: str, names: Sequence[str], dots: Table | None) -> None:
     """Draw the columns of one unit, and their legend."""
     varied = [name for name in recording.coordinates if name != NUMBER]
@@ -77,7 +83,7 @@ def _draw_panel(panel: Axes, recording: Table, over: str, names: Sequence[str], 
     for quantity in quantities_of(names).values():
         scale = matplotlib.colormaps[next(scales)] if len(quantity) >= MANY else None
         for place, name in enumerate(quantity):
-            [line] = panel.plot(recording[over], recording[name], label=name, **style)
+            [line] = panel.plot(*_together(recording[over], recording[name]), label=name, **style)
             if scale:
                 line.set_color(scale(0.9 * place / (len(quantity) - 1)))
             if len(quantity) < MANY or place in (0, len(quantity) - 1):
@@ -88,7 +94,7 @@ def _draw_panel(panel: Axes, recording: Table, over: str, names: Sequence[str], 
         entries["measured"] = panel.lines[-1]
     several = quantities_of(names)
     text = names[0] if len(names) == 1 else next(iter(several)) if len(several) == 1 else ""
-    panel.set_ylabel(textwrap.fill(f"{text} [{recording.units[names[0]]}]".strip(), LETTERS))
+    panel.set_ylabel(textwrap.fill(f"{text} [{recording.units[names[0]]}]".strip().replace("_", " "), LETTERS))
     panel.ticklabel_format(axis="y", scilimits=(-3, 5), useMathText=True)
     panel.grid(True, linewidth=0.3)
     if len(entries) > 1:

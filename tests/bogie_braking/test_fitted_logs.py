@@ -90,7 +90,7 @@ FORMS: dict[str, tuple[str, Callable[[float, float, float], str], object]] = {
         None,
     ),
     "times of day past midnight": (
-        "Uhrzeit;v_ist [m/s];brake_torque_1",
+        "Heure (UTC);v_ist [m/s];brake_torque_1",
         lambda t, v, m: f"{at(t):%H:%M:%S.%f};{v!r};{m!r}",
         None,
     ),

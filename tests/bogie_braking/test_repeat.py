@@ -111,7 +111,7 @@ def test_a_file_repeats_its_run(name: str, tmp_path: Path, monkeypatch: pytest.M
 
 def test_a_folder_of_a_sweep_repeats_it(tmp_path: Path) -> None:
     kept = bb.sweep("bogie", 60.0, ["distance"], {"friction_1": FRICTION}, folder=tmp_path / "kept", **SCENE)
-    for file in ("table.csv", "summary.json"):
+    for file in ("", "table.csv", "summary.json"):
         assert bb.repeat(tmp_path / "kept" / file) == kept
 
 

@@ -54,6 +54,14 @@ def test_a_sine_of_the_guiding_force_passes_low_pass_mean_and_percentile(frequen
     assert abs(table["guiding_force_1_2m"][0]) == pytest.approx(expected, abs=PERCENTILE_BAND * force)
 
 
+def test_a_run_without_lateral_motion_is_refused() -> None:
+    flat = bb.run("coach", 2.0, level=2, initial_speed=20.0, interval=5e-3)
+    with pytest.raises(ValueError, match=r"wheel loads must be above 0; got 0 N .* Run with level=3\."):
+        bb.running.en14363(flat)
+    with pytest.raises(ValueError, match=r"body must move sideways; .* Run with level=3"):
+        bb.running.floor_accelerations(flat, "coach", (0.0, 0.0, 1.2))
+
+
 def test_quasi_static_and_extreme_values_are_percentiles_of_each_section() -> None:
     """A wheel load that grows linearly is evenly distributed, and the low-pass delays it by a constant time."""
     delay = 2.6131 / (2 * np.pi * 20.0)  # sum of the terms of first order of Butterworth's fourth
@@ -84,9 +92,9 @@ def test_a_sine_of_the_floor_passes_the_band_of_the_ride(frequency: float) -> No
 def test_the_verdict_names_the_value_that_is_nearest_to_its_limit() -> None:
     table = bb.running.en14363(on_rails(5.0, guiding_force_1=-55e3, derailment_quotient_1_right=0.6))
     assert table.messages[0] == (
-        "Sum of guiding forces, mean over 2 m: 55.0 kN, ABOVE the limit of 50.0 kN (wheelset 1, section 0)."
+        "Sum of guiding forces, mean over 2 m: 55.0 kN, ABOVE the limit of 50.0 kN (wheelset 1, section 1)."
     )
-    assert table.messages[1] == "Y/Q, mean over 2 m: 0.60, within the limit of 0.80 (wheelset 1 right, section 0)."
+    assert table.messages[1] == "Y/Q, mean over 2 m: 0.60, within the limit of 0.80 (wheelset 1 right, section 1)."
 
 
 #: Factors of Wd at third octaves [Hz], ISO 2631-1:1997, table 3.

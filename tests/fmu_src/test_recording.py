@@ -66,8 +66,10 @@ def test_a_notebook_shows_units_first_rows_and_escaped_messages(stop: bb.Recordi
     assert "&lt;b&gt;stood" in text
     assert "<b>" not in text
     assert text.count("<tr>") == 8  # names, units, five rows, and one for those that are left out
-    assert "pressure [Pa] x 150" in train._repr_html_()
-    assert repr(train).startswith("<Recording of 21 rows: time [s], speed [m/s] x 150, pressure [Pa] x 150, force")
+    assert "pressure[#] [Pa] x 150" in train._repr_html_()
+    assert repr(train).startswith(
+        "<Recording of 21 rows: time [s], speed[#] [m/s] x 150, pressure[#] [Pa] x 150, force"
+    )
 
 
 def test_data_frame_and_data_set_have_units(stop: bb.Recording) -> None:

@@ -183,7 +183,7 @@ def test_without_extras_and_a_compiler_ready_machines_run_and_others_name_the_ex
     call = [sys.executable, "-c", BARE, str(filled)]
     done = subprocess.run(call, cwd=tmp_path, env=nothing, capture_output=True, text=True)
     *_, rail, master, fmu = [line for line in done.stdout.splitlines() if "pip install" in line and "->" not in line]
-    assert rail == "New equations need CasADi: pip install 'bogie-braking[build]'."
+    assert rail == "Equations that are not compiled need CasADi: pip install 'bogie-braking[build]'."
     assert master == fmu == "FMUs need FMPy: pip install 'bogie-braking[fmu]'."
     etcs, run = done.stderr.splitlines()
     assert etcs == "No picture. Figures need Matplotlib: pip install 'bogie-braking[plots]'."
