@@ -107,7 +107,6 @@ def test_every_form_of_a_table_is_the_same_push(given: Any) -> None:
         (np.zeros(()), "push must be one number, a function of time, a pair of columns"),
         ((np.array(1.0), np.array(2.0)), "push must be one number, a function of time, a pair of columns"),
         (zip(TIMES, PUSH, strict=True), "push must be one number, a function of time, a pair of columns"),
-        ({"time": TIMES, "push": PUSH}, "push must be one number, a function of time, a pair of columns"),
         (np.timedelta64(5, "s"), "push must be one number, a function of time, a pair of columns"),
         ([], "push must be one number, a function of time, a pair of columns"),
         (([], []), "as many values as times, and at least one of each; got 0 and 0"),
