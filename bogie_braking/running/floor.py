@@ -99,15 +99,15 @@ def floor_accelerations(
         for name in ("curvature", "cant", "gradient")
     )
     track_roll = -np.arcsin(cant / GAUGE)
-    roll = own.roll + track_roll
-    turning, tipping = _slope(time, roll, 2), _slope(time, own.pitch, 2)
+    roll, pitch = own.roll + track_roll, own.pitch - np.arcsin(gradient)
+    turning, tipping = _slope(time, roll, 2), _slope(time, pitch, 2)
     yawing = _slope(time, own.yaw, 2) + _slope(time, speed * curvature, 1)
     # Of the centre of gravity, level: the axes of the track roll about the rails.
     cosine, sine = np.cos(track_roll), np.sin(track_roll)
     inwards = speed**2 * curvature + _slope(time, own.lateral * cosine - own.height * sine, 2)
     rising = speed * _slope(time, gradient, 1) + _slope(time, own.height * cosine + own.lateral * sine, 2)
     above = z - own.height
-    ahead = finite(recording, "acceleration") + above * tipping - y * yawing - own.gravity * (own.pitch - gradient)
+    ahead = finite(recording, "acceleration") + above * tipping - y * yawing - own.gravity * np.sin(pitch)
     aside = inwards * np.cos(roll) + (own.gravity + rising) * np.sin(roll) - above * turning + x * yawing
     up = (own.gravity + rising) * np.cos(roll) - inwards * np.sin(roll) - own.gravity + y * turning - x * tipping
     units = {"time": "s", "distance": "m"} | dict.fromkeys((f"acceleration_{axis}" for axis in "xyz"), "m/s2")

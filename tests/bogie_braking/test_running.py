@@ -168,6 +168,20 @@ def test_accelerations_of_a_point_follow_from_the_turning_of_its_body() -> None:
         assert found[f"acceleration_{axis}"][5:-5] == pytest.approx(values[5:-5], abs=2e-5)
 
 
+def test_a_body_that_stays_level_in_a_vertical_curve_rises_alike_at_both_ends() -> None:
+    """v^2 / R everywhere, and no gravity ahead: its pitch against the track is that of the track."""
+    before, behind = bb.straight(100), bb.straight(100, 0.02)
+    line = bb.line_of([before, bb.clothoid(40, before, behind), behind])
+    levelled = {"body_pitch": lambda t: np.arcsin(line.value("gradient", SPEED * t)), "body_lateral": 1e-3}
+    ride = recording(10.0, body_bounce=0.0, body_roll=0.0, body_yaw=0.0, **levelled)
+    for ahead in (-9.0, 0.0, 9.0):
+        found = bb.running.floor_accelerations(ride, "coach", (ahead, 0.0, 1.2), line=line)
+        rising = SPEED**2 * 0.02 / 40 * ((ride["distance"] > 102.0) & (ride["distance"] < 138.0))
+        inside = np.abs(np.abs(ride["distance"] - 120.0) - 20.0) > 2.0  # corners are rounded
+        assert found["acceleration_z"][inside] == pytest.approx(rising[inside], abs=1e-4)
+        assert found["acceleration_x"] == pytest.approx(np.zeros_like(rising), abs=1e-6)
+
+
 def test_accelerations_in_a_curve_are_those_of_the_place_in_space(tmp_path: Path) -> None:
     """Derivatives of the frame's place in inertial axes, turned by its heading and roll."""
     vehicle = two_axle_bogie()
