@@ -182,10 +182,11 @@ def irregular(
     random = np.random.default_rng(seed)
     share = np.clip((distance - distance[0] - QUIET) / GROWTH, 0.0, 1.0)
     growth = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
-    numbers = np.linspace(2 * math.pi / waves[1], 2 * math.pi / waves[0], 2 * math.ceil(line.length / waves[1]) + 200)
+    ends = np.geomspace(2 * math.pi / waves[1], 2 * math.pi / waves[0], 2 * math.ceil(line.length / waves[1]) + 201)
+    numbers, widths = random.uniform(ends[:-1], ends[1:]), np.diff(ends)  # equal distances would repeat the rails
 
     def wave(density: np.ndarray) -> np.ndarray:
-        sizes = np.sqrt(2 * density * (numbers[1] - numbers[0]) / math.pi)
+        sizes = np.sqrt(2 * density * widths / math.pi)
         phases = random.uniform(0.0, 2 * math.pi, numbers.size)
         parts = [a * np.cos(n * distance + p) for a, n, p in zip(sizes, numbers, phases, strict=True)]
         return growth * np.sum(parts, axis=0)

@@ -9,6 +9,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.signal import fftconvolve
 
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, model_of
@@ -669,15 +670,23 @@ def test_a_spectrum_gives_its_own_variance() -> None:
     numbers = np.linspace(2 * math.pi / 100, 2 * math.pi / 3, 20001)
     of_class_6 = 1e-4 * 0.25 * 0.0339 * 0.8245**2 / (numbers**2 * (numbers**2 + 0.8245**2))
     for name, density in (("erri-low", ERRI_LOW.of_centre(2.119e-7, numbers) / math.pi), ("fra-6", of_class_6)):
-        line = irregular(line_of([straight(4000)]), name, seed=1)
+        rails = [irregular(line_of([straight(4000)]), name, seed).rows["left_lateral"] for seed in range(8)]
         variance = float(np.sum(density) * (numbers[1] - numbers[0]))
-        assert np.var(line.rows["left_lateral"]) == pytest.approx(variance, rel=0.1)
+        assert np.mean(np.square(rails)) == pytest.approx(variance, rel=0.05)
     with pytest.raises(ValueError, match=r"spectrum must be one of erri-low, .*; got 'erri'"):
         irregular(line_of([straight(100)]), "erri")
     with pytest.raises(ValueError, match="lateral of a spectrum must be a number of at least 0; got -1"):
         Spectrum(-1.0, 1.0)
     one, other = (irregular(line_of([straight(100)]), ERRI_LOW, seed).rows["left_lateral"] for seed in (1, 2))
     assert not np.array_equal(one, other)
+
+
+def test_rails_of_a_spectrum_do_not_repeat() -> None:
+    """The correlation with themselves some way further, from 300 m on: 1 on rails that repeat."""
+    rails = irregular(line_of([straight(6000)]), ERRI_LOW, seed=1).rows["left_lateral"]
+    overlap = np.arange(rails.size, 0, -1)
+    alike = fftconvolve(rails, rails[::-1])[rails.size - 1 :] / overlap / np.var(rails)
+    assert np.max(np.abs(alike[1200:12000])) < 0.4
 
 
 def test_irregularities_leave_the_rails_in_place_where_a_vehicle_starts() -> None:
