@@ -34,7 +34,7 @@ DAMPINGS, BAND = (1.0, 0.5, 2.0), 0.02
 #: Number of runs of which the least time counts; length that is drawn from the end of a case [m].
 REPEATS, DRAWN = 2, 10.0
 #: Name of the case whose wheel load is drawn; those of a quick run, which do not vibrate on rigid rails.
-SHOWN, QUICK = "curve 500 m, friction 0.5", ("curve 800 m", "straight, braked")
+SHOWN, QUICK = "curve 300 m, friction 0.5", ("curve 800 m", "straight, braked")
 RIGID, YIELDING = {"flexible_track": 0.0}, {"flexible_track": 1.0}
 
 
@@ -82,7 +82,7 @@ def scenes() -> list[CoachRun]:
     steady = {"constant_speed": 1.0}
     return [
         *(curve(radius, cant, name=f"curve {radius:g} m") for radius in (300.0, 800.0)),
-        curve(500.0, cant, friction=0.5, name="curve 500 m, friction 0.5"),
+        curve(300.0, cant, friction=0.5, name="curve 300 m, friction 0.5"),
         CoachRun("straight, braked", smooth, 25.0, 8.0, braked),
         CoachRun("straight, from 8 mm aside", smooth, 40.0, 4.0, steady | {"initial_lateral": 0.008}),
         CoachRun("straight, rough (ERRI low)", irregular(smooth, ERRI_LOW, 1), 40.0, 6.0, steady),
@@ -194,10 +194,10 @@ def draw(series: Recording, outcomes: list[RailsOutcome], shown: str) -> Figure:
     load.plot(way, series["rigid"] / 1e3, color=TRAILING, linewidth=0.8, label="rigid rails")
     load.plot(way, series["yielding"] / 1e3, color=LEADING, linewidth=2.4, label="flexible rails (default)")
     load.set_ylim(0.0)
-    load.legend(loc="lower left")
+    load.legend(loc="upper right")
     for number, one in enumerate(outcomes):
         cost.loglog(one.cost, 1e2 * one.error, "o", color=TRAILING if one.error > BAND else LEADING)
-        aside = number % 2 == 1 or one.cost < 0.3
+        aside = number % 2 == 1
         place = {"xytext": (-6 if aside else 6, 5), "ha": "right" if aside else "left"}
         cost.annotate(one.scene, (one.cost, 1e2 * one.error), textcoords="offset points", fontsize=8, **place)
     cost.axhspan(1e2 * BAND, 3e3, color=TRAILING, alpha=0.07)
