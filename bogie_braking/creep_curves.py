@@ -34,20 +34,20 @@ def creep_curve(
     Parameters
     ----------
     law : str or function
-        Name of a creep law or a function of a `ContactPatch`, as `creep_law` of `run`; "default" is that of contact
+        Name of a creep law or a function of a `ContactPatch`, as `creep_law` of `run`. "default" is that of contact
         model 2.
     largest : float
-        Largest creepage [1], or spin [1/m]; negative for the other direction.
+        Largest creepage [1], or spin [1/m]. It is negative for the other direction.
     over : str
-        The creepage that changes: "creepage_along", "creepage_aside" or "creepage_spin".
+        The creepage that changes. It is "creepage_along", "creepage_aside" or "creepage_spin".
     rows : int
         Number of rows.
     poisson_ratio : float
-        Poisson's ratio of wheel and rail.
+        Poisson's ratio of wheel and rail. That of steel is 0.28.
     **values
         The other creepages, by default 0, and by name in SI units: `normal_force` (100 kN), `friction` (0.3), `speed`
-        (20 m/s), `wheel_radius` (0.46 m), `rail_head_radius` (0.3 m), `shear_modulus`, and `friction_ratio`,
-        `friction_decay`, `adhesion_reduction`, `slip_reduction` of a rail whose friction falls.
+        (20 m/s), `wheel_radius` (0.46 m), `rail_head_radius` (0.3 m), `shear_modulus`. A rail whose friction falls has
+        `friction_ratio`, `friction_decay`, `adhesion_reduction` and `slip_reduction`.
 
     Returns
     -------

@@ -143,11 +143,11 @@ OF_EACH_BOGIE = ("frame", "leading_wheelset", "middle_wheelset", "trailing_wheel
 class ConnectionRow:
     """A connection of a file.
 
-    table: the short table that states it, or "connection".
-    is_in_each_bogie: true if it stands for one in both.
-    place [m]: its entries of PLACE.
-    law: fields of its class [SI].
-    entries: as the file has them.
+    `table`: the short table that states it, or "connection".
+    `is_in_each_bogie`: true if it stands for one in both.
+    `place` [m]: its entries of PLACE.
+    `law`: fields of its class [SI].
+    `entries`: as the file has them.
     """
 
     table: str

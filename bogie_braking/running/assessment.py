@@ -92,12 +92,12 @@ def en14363(
     ----------
     recording : Recording
         Run at level 3 with a row every 5 ms or more often, of a vehicle that moves forward. Its columns are `distance`,
-        `axle_load` and `guiding_force` of each wheelset, and `wheel_load`, `lateral_force` and `derailment_quotient`
-        of each wheel.
+        `axle_load` and `guiding_force` of each wheelset. Each wheel has `wheel_load`, `lateral_force` and
+        `derailment_quotient`.
     sections : sequence of (float, float), optional
-        Begin and end of each section [m], at least 2 m long; by default the whole run is one.
+        Begin and end of each section [m]. It is at least 2 m long; by default the whole run is one.
     static_axle_loads : sequence of float, optional
-        Static load of each axle [N], for the limit of the guiding forces; by default those of the first row.
+        Static load of each axle [N]. The limit of the guiding forces has it; by default it is that of the first row.
 
     Returns
     -------
@@ -116,8 +116,8 @@ def en14363(
     KeyError
         If a column is missing.
     ValueError
-        If the run is not at level 3, a section is not within the run or shorter than 2 m, rows are uneven or more than
-        5 ms apart, or the vehicle does not move forward.
+        If the run is not at level 3 or the vehicle does not move forward. Also if a section is not within the run or
+        shorter than 2 m, or rows are uneven or more than 5 ms apart.
     """
     interval, distance = interval_of(recording), _growing(recording)
     places = _sections(sections, distance)
@@ -151,9 +151,9 @@ def ride_accelerations(accelerations: Recording, sections: Sequence[tuple[float,
     Returns
     -------
     Recording
-        A row for each section: `section`, `begin`, `end`, and for the directions y and z [m/s2]
-        `acceleration_y_extreme`, the percentile of 0.15 or 99.85 % that is larger in size, and `acceleration_y_rms`;
-        for y also `acceleration_y_quasi_static`, 50 %.
+        A row for each section: `section`, `begin`, `end`, and values in the directions y and z [m/s2].
+        `acceleration_y_extreme` is the percentile of 0.15 or 99.85 % that is larger in size. `acceleration_y_rms`
+        follows, and for y `acceleration_y_quasi_static`, 50 %.
 
     Raises
     ------

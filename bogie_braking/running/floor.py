@@ -65,9 +65,9 @@ def floor_accelerations(
     vehicle : str, DataSheet or Vehicle
         The vehicle of the run. It has the height of the body's centre of gravity.
     place : sequence of float
-        Place of the point [m]: ahead of the body's centre, to the left of it, and above the rails.
+        Place of the point [m]. It is ahead of the body's centre, to the left of it, and above the rails.
     body : str
-        Name of the body, such as "body" or "front_frame".
+        Name of the body. A frame is "front_frame" or "rear_frame".
     line : Line, optional
         Line of the run. Its curvature, cant and gradient add to the accelerations; without it the track is straight.
 

@@ -25,7 +25,7 @@ def wear_map(recording: Recording, width: float, line: Line | None = None) -> Re
     recording : Recording
         A run with `contact_outputs=True`.
     width : float
-        Width of a class: of distance [m], or with a line of curvature [1/m].
+        Width of a class. It is a distance [m], or with a line a curvature [1/m].
     line : Line, optional
         Line of the run: classes are then those of its curvature, around multiples of the width.
 

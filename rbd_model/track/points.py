@@ -26,21 +26,21 @@ class Points:
     Attributes
     ----------
     source : str
-        Name of the file for messages.
+        Name of the file. Messages state it.
     plan : array, shape (n, 2)
-        East and north [m], from the first point.
+        East and north [m]. The first point is 0.
     height : array, shape (n,), optional
         Height [m].
     places : array of int, shape (n,)
-        Row of each point in its file, or its number from 1.
+        Row of each point in its file. `word` states what else they count.
     account : Account
         Use of the input.
     rough : bool
-        Whether the points are of a map or a receiver, with noise of metres.
+        Whether noise is of metres. Maps and receivers have it.
     recorded : bool
         Whether points far beside the line are left out.
     stretches : list
-        First and last place, rise per metre and limit of speed [m/s] of a map; None if it is not stated.
+        First and last place, rise per metre and limit of speed [m/s] of a map. None: it is not stated.
     word : str
         What a place counts.
     """

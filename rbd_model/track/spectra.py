@@ -144,13 +144,13 @@ def irregular(
     Parameters
     ----------
     line : Line
-        The line; its own irregularities are kept, and these added.
+        The line. Its own irregularities are kept, and these added.
     spectrum : str or Spectrum
         "erri-low", "erri-high", "fra-1" to "fra-6", or densities of your own.
     seed : int
-        Seed of the phases: equal seeds give equal rails.
+        Seed of the waves. Equal seeds give equal rails.
     waves : tuple of float
-        Shortest and longest wave [m].
+        Lengths of waves [m]. They are the shortest and the longest one.
     pitch : float
         Distance of the rows [m], at most an eighth of the shortest wave.
 
