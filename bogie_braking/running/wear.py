@@ -40,7 +40,7 @@ def wear_map(recording: Recording, width: float, line: Line | None = None) -> Re
     KeyError
         If the recording has no distance or no wear number.
     ValueError
-        If the width is not above 0, or makes more than 100 000 classes.
+        If the width is not above 0, or makes more than 100 000 classes, or the recording has less than 2 rows.
     """
     names = [name for name in recording.names if name.startswith(WEAR)]
     if not names:
@@ -48,6 +48,8 @@ def wear_map(recording: Recording, width: float, line: Line | None = None) -> Re
     distance, own, size = finite(recording, "distance"), line_or_none(line), number(width)
     if not 0.0 < size < np.inf:
         raise ValueError(f"width must be a number above 0; got {shown(width)}.")
+    if distance.size < 2:
+        raise ValueError(f"The recording must have at least 2 rows; got {distance.size}. Run longer.")
     travelled = np.abs(np.diff(distance))  # also of a vehicle that rolls back
     middle = (distance[1:] + distance[:-1]) / 2
     axis, unit = ("distance", "m") if own is None else ("curvature", "1/m")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from numbers import Real
+from numbers import Integral, Real
 
 import numpy as np
 
@@ -162,10 +162,14 @@ def irregular(
     Raises
     ------
     ValueError
-        If the spectrum is unknown, the pitch too long, or the table too large.
+        If the spectrum is unknown, the pitch too long, the table too large, or seed or waves have no meaning.
     """
     densities = spectrum if isinstance(spectrum, Spectrum) else Spectrum.named(spectrum)
-    if not pitch * 8 <= waves[0] < waves[1]:
+    if not (isinstance(seed, Integral) and seed >= 0):
+        raise ValueError(f"seed must be a whole number from 0 on; got {seed!r}.")
+    if not 0.0 < waves[0] < waves[1] < math.inf:
+        raise ValueError(f"waves must be two lengths above 0 m, the shorter one first; got {waves!r}.")
+    if not pitch * 8 <= waves[0]:
         raise ValueError(
             f"Waves from {waves[0]:g} to {waves[1]:g} m need rows every {waves[0] / 8:g} m, not {pitch:g} m."
         )

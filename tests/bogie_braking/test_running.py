@@ -237,5 +237,7 @@ def test_recordings_that_cannot_be_assessed_are_refused() -> None:
         bb.running.mean_comfort(recording(2.0, acceleration_x=0.0, acceleration_y=0.0, acceleration_z=0.0))
     with pytest.raises(KeyError, match="run with contact_outputs=True"):
         bb.running.wear_map(ride, 10.0)
+    with pytest.raises(ValueError, match="must have at least 2 rows; got 1"):
+        bb.running.wear_map(bb.Recording({"distance": "m", "wear_number_1_left": "N"}, [[0.0, 1.0]]), 10.0)
     with pytest.raises(ValueError, match="place must be three numbers within 50 m"):
         bb.running.floor_accelerations(ride, "coach", (9000.0, 0.0, 1.0))
