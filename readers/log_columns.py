@@ -32,6 +32,8 @@ DIAMETERS = (0.2, 2.5)
 #: Likeness of a name and a variable from which it is a typing error.
 ALIKE = 0.85
 KEYS = ("name", "unit", "diameter", "missing")
+#: Quantities of a wheel that its diameter converts.
+TURNS = {"speed", "angular velocity"}
 
 #: A map of names as a user gives it: names of variables by names of columns, or its TOML file.
 ColumnMap = Mapping[str, Any] | str | Path
@@ -66,7 +68,7 @@ class LogColumn:
     missing : tuple of float
         Numbers of the file that mean that there is no value.
     guessed : bool
-        Whether its name was guessed.
+        Whether its name or unit was guessed.
     """
 
     head: Head
@@ -161,7 +163,7 @@ class Naming:
             if value is False or value is None:
                 out.add(head.at)
             else:
-                found += _rule(source, str(key), value, head, None if self.free else self.variables)
+                found += _rule(source, str(key), value, head, self.variables, self.free)
         slots = [one.slot for one in found]
         for one in found:
             if (times := slots.count(one.slot)) > 1:
@@ -248,7 +250,9 @@ def _digits(name: str) -> list[str]:
     return re.findall(r"\d+", name)
 
 
-def _rule(source: str, key: str, value: object, head: Head, variables: Mapping[str, str] | None) -> list[LogColumn]:
+def _rule(
+    source: str, key: str, value: object, head: Head, variables: Mapping[str, str], free: bool
+) -> list[LogColumn]:
     """Return the columns that an entry of a map makes of one of the file. Raises TableError."""
     rule = value if isinstance(value, Mapping) else {"name": value}
     place = f"{source}: {shown(key)}"
@@ -262,15 +266,22 @@ def _rule(source: str, key: str, value: object, head: Head, variables: Mapping[s
         raise TableError(f"{place} must have a text as unit and numbers as missing; got {shown(rule)}.")
     found = []
     for name in names if isinstance(names, list | tuple) else [names]:
-        if not isinstance(name, str) or not (_variable(name) if variables is None else name in variables):
-            known = list(variables or COMMON)
+        if not isinstance(name, str) or not (_variable(name) if free else name in variables):
+            known = list(COMMON if free else variables)
             near = get_close_matches(str(name), known, 1)
             hint = f"Did you mean {near[0]}?" if near else f"Names are {quoted(', '.join(known), 200)}."
             raise TableError(f"{place} must be the name of a variable; got {shown(name)}. {hint}")
-        found.append(LogColumn(head, name, unit.strip(), _diameter(place, rule), tuple(values)))
+        last = "" if unit or "unit" in rule else _last_word(head.name, variables.get(name, "1"))
+        found.append(LogColumn(head, name, unit.strip() or last, _diameter(place, rule), tuple(values), bool(last)))
     if not found:
         raise TableError(f"{place} must be the name of a variable; got an empty list.")
     return found
+
+
+def _last_word(words: str, target: str) -> str:
+    """Return the unit that is the last word of a name, if a variable with the unit `target` may have it; "": none."""
+    able = TURNS if quantity_of(target) in TURNS else {quantity_of(target)}
+    return next((unit for _, unit in suffixed(plain(words)) if quantity_of(unit) in able), "")
 
 
 def _variable(name: str) -> bool:
@@ -297,7 +308,7 @@ def _diameter(place: str, rule: Mapping[str, Any]) -> float | None:
 def factor_of(one: LogColumn, unit: str, place: str) -> tuple[float, float] | None:
     """Return the factor of a wheel's column to a variable's unit by its diameter; None if the units need none."""
     pair = {quantity_of(one.unit), quantity_of(unit)}
-    if pair != {"speed", "angular velocity"}:
+    if pair != TURNS:
         return None
     if one.diameter is None:
         raise TableError(

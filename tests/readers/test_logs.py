@@ -56,6 +56,16 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             {"omega_1": {"name": "wheel_speed_1", "diameter": "1000 mm"}},
             {"time": [0, 1], "wheel_speed_1": [5, 10]},
         ),
+        (
+            "t_ms,v_kmh,C_bar\n0,36,3\n500,72,3.5\n",
+            {"t_ms": "time", "v_kmh": "speed", "C_bar": ["pressure_1", "pressure_2"]},
+            {"time": [0, 0.5], "speed": [10, 20], "pressure_1": [3e5, 3.5e5], "pressure_2": [3e5, 3.5e5]},
+        ),
+        (
+            "time,v_kmh\n0,1\n1,2\n",
+            {"v_kmh": {"name": "speed", "unit": "m/s"}},
+            {"time": [0, 1], "speed": [1, 2]},
+        ),
         ("2,speed\n", None, {}),
         (
             "time,speed,speed_raw\n0,1,8\n1,2,9\n",
@@ -160,6 +170,7 @@ def test_columns_get_names_and_units_of_variables(text: str, columns: object, ex
             {"w": {"name": "speed", "factor": 2}},
             "must have the keys name, unit, diameter, missing; got factor.",
         ),
+        ("time,n_rpm\n0,1\n1,2\n", {"n_rpm": "wheel_speed_1"}, "the column 'n_rpm' in rpm needs the diameter of its"),
         ("0,1\n1,2\n", None, "row 1: the first row must have names; got '0'."),
         (
             "time,x [m],x [km]\n0,1,1\n1,2,2\n",
