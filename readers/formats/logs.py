@@ -15,20 +15,20 @@ from typing import Any
 from readers.extras import need
 from readers.log_arrays import ArrayLog, damaged
 from readers.log_text import TextLog
-from readers.text import FileError, first_bytes
+from readers.text import ODD, FileError, first_bytes
 
 
 @dataclass(frozen=True)
 class LogFormat:
     """A binary format: its name, the package that reads it, and the module here.
 
-    begins: the first bytes of every file; empty: they differ.
+    begins: the first bytes of its files, one of these; an empty one allows any.
     """
 
     name: str
     package: str
     module: str
-    begins: bytes = b""
+    begins: tuple[bytes, ...] = (b"",)
 
     def load(self) -> Any:
         """Return the module. Raises MissingExtraError."""
@@ -36,10 +36,11 @@ class LogFormat:
         return import_module(f"{__package__}.{self.module}")
 
 
-PARQUET = LogFormat("Parquet", "pyarrow", "parquet", b"PAR1")
+HDF5_BEGINS = b"\x89HDF\r\n\x1a\n"
+PARQUET = LogFormat("Parquet", "pyarrow", "parquet", (b"PAR1",))
 MATLAB = LogFormat("a MATLAB file", "scipy", "matlab")
-MDF = LogFormat("MDF", "asammdf", "mdf")
-HDF5 = LogFormat("HDF5", "h5py", "hdf5", b"\x89HDF\r\n\x1a\n")
+MDF = LogFormat("MDF", "asammdf", "mdf", (b"MDF ", b"UnFinMF "))  # the second: a logger did not close it
+HDF5 = LogFormat("HDF5", "h5py", "hdf5", (HDF5_BEGINS,))
 #: Version 7.3 is HDF5 after a block of MATLAB of this length [bytes].
 MATLAB_7_3, MATLAB_BLOCK = LogFormat("a MATLAB file", "h5py", "hdf5"), 512
 #: Formats by the end of a file's name.
@@ -54,9 +55,6 @@ FORMATS = {
     ".hdf5": HDF5,
     ".hdf": HDF5,
 }
-#: Beginnings of MDF files, whole ones and those that a logger did not close.
-MDF_BEGINS = (b"MDF ", b"UnFinMF ")
-LONGEST_BEGIN = MATLAB_BLOCK + len(HDF5.begins)
 
 
 def format_of(path: Path) -> LogFormat | None:
@@ -64,20 +62,17 @@ def format_of(path: Path) -> LogFormat | None:
     found = FORMATS.get(path.suffix.lower())
     if found is None:
         return None
-    begin = first_bytes(path, LONGEST_BEGIN)
-    if found is MDF and not begin.startswith(MDF_BEGINS):
-        if path.suffix.lower() == ".dat":
-            return None
-        raise _refused(path, found)
-    if found is MATLAB and begin[MATLAB_BLOCK:] == HDF5.begins:
+    begin = first_bytes(path, MATLAB_BLOCK + len(HDF5_BEGINS))
+    if found is MATLAB and begin[MATLAB_BLOCK:] == HDF5_BEGINS:
         return MATLAB_7_3
-    if not begin.startswith(found.begins) or not begin:
-        raise _refused(path, found)
-    return found
-
-
-def _refused(path: Path, found: LogFormat) -> FileError:
-    return FileError(f"{path} must begin as {found.name} does, by the end of its name; it does not. Export it again.")
+    is_text = not ODD.search(begin.decode("latin-1"))
+    if begin.startswith(found.begins) and not is_text:
+        return found
+    if path.suffix.lower() == ".dat":
+        return None
+    got = "it is text. Rename it, as .csv" if is_text else "it does not. Export it again"
+    got = got if begin else "it is empty. Export it again"
+    raise FileError(f"{path} must begin as {found.name} does, by the end of its name; {got}.")
 
 
 @contextmanager

@@ -345,6 +345,8 @@ def test_a_damaged_file_is_refused_with_one_sentence(end: str, tmp_path: Path) -
             read_log(path, COMMON)
         assert str(refused.value).startswith(str(path))
         assert "\n" not in str(refused.value)
+        assert ("it is empty. Export it again." in str(refused.value)) == (content == b"")
+        assert ("it is text. Rename it, as .csv." in str(refused.value)) == content.startswith(b"time")
 
 
 def test_declared_sizes_are_checked_before_they_are_read(tmp_path: Path) -> None:
