@@ -137,13 +137,6 @@ COLUMN_WORDS: dict[str, Words] = {
     for device, of_device in _DEVICES.items()
     for curve, of_curve in _CURVES.items()
 }
-#: Remedies for words that look like those of a column.
-FALSE_FRIENDS = {
-    "bremsgewicht": "A brake weight must be a percentage here, of the mass: Bremshundertstel.",
-    "masse_freinee": "A braked mass must be a percentage here, of the mass: pourcentage de freinage.",
-    "gefaelle": "A fall must be a gradient here, which is positive upwards: Neigung.",
-    "pente": "A fall must be a gradient here, which is positive upwards: déclivité.",
-}
 GERMAN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 
 
@@ -160,6 +153,18 @@ def words_of(column: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(plain(word) for words in COLUMN_WORDS.get(column, ((), ())) for word in words))
 
 
+#: Remedies for words that look like those of a column, where they are none.
+FALSE_FRIENDS = {
+    "bremsgewicht": "A brake weight must be a percentage here, of the mass: Bremshundertstel.",
+    "masse_freinee": "A braked mass must be a percentage here, of the mass: pourcentage de freinage.",
+    "gefaelle": "A fall must be a gradient here, which is positive upwards: Neigung.",
+    "pente": "A fall must be a gradient here, which is positive upwards: déclivité.",
+    "beladung": "A load must be a mass here: Ladung.",
+    **dict.fromkeys(("tare", *words_of("tare")), "A mass must include the load here: mass, Gesamtmasse."),
+    **dict.fromkeys(
+        ("radius", *words_of("radius")), "A radius must be a curvature here, 1 / radius, above 0 to the left."
+    ),
+}
 #: Names of columns by each word.
 COLUMNS_OF = {
     word: tuple(column for column in COLUMN_WORDS if word in words_of(column))

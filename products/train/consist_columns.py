@@ -181,10 +181,11 @@ def columns() -> list[Column]:
         is_kind, others = name == "kind", tuple(remedies(name).items())
         found.append(Column(name, words=choices(name), required=is_kind, filled=is_kind, remedies=others))
     found += [Column(name, filled=False, text=True, longest=longest) for name, longest in TEXTS.items()]
-    return found + [
+    found += [
         Column(number.name, number.unit, number.least, number.most, filled=False, whole=number.whole)
         for number in NUMBERS.values()
     ]
+    return sorted(found, key=lambda column: NAMES.index(column.name))
 
 
 def values_of(row: Mapping[str, Any], couplers: Iterable[str] = ()) -> dict[str, Any]:

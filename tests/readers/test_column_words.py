@@ -96,6 +96,16 @@ def test_a_false_friend_and_a_name_of_two_columns_are_refused(tmp_path: Path) ->
     path.write_text("Fahrzeugart,Bremsgewicht\nwagon,60\n")
     with pytest.raises(FileError, match=r"'Bremsgewicht' is unknown. A brake weight must be a percentage here"):
         read_consist(path)
+    for head, said in (
+        ("Eigengewicht", "A mass must include the load here"),
+        ("Beladung", "A load must be a mass here: Ladung"),
+        ("cars", "Columns are kind, name, count, load, mass, length,"),
+    ):
+        path.write_text(f"kind,{head}\nwagon,60\n")
+        with pytest.raises(FileError, match=f"'{head}' is unknown. {said}"):
+            read_consist(path)
+    with pytest.raises(FileError, match="'Rayon' is unknown. A radius must be a curvature here, 1 / radius, above 0"):
+        table_of("distance,Rayon\n0,300\n", "line.csv", LINE.columns)
     path = tmp_path / "train.toml"
     path.write_text('[[vehicle]]\nkind = "wagon"\nlength = 20\nlongueur = 20\n')
     with pytest.raises(ValueError, match="length must be given once; it is there twice, also as 'longueur'"):
