@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from readers.decimal_numbers import MINUS, NUMBER
 from readers.text import FileError, quoted, shown
 from readers.units import different_units, factor, quantity_of
+from readers.usual import likely_unit
 
 #: Largest number of characters in a cell, for columns of free text without a limit of their own.
 LONGEST_TEXT = 60
@@ -186,7 +187,11 @@ class Cells:
         low, high = self.column.minimum, self.column.maximum
         for row in np.flatnonzero((values < low) | (values > high))[:1].tolist():
             got = f"{quoted(cells[row])}{self._unit(self.place.factor)}"
-            raise self.refusal(row, f"the value must be {self._limits()}; got {got}. Check value and unit.")
+            bare = self.place.factor == (1.0, 1.0)
+            likely = likely_unit(float(values[row]), self.column.unit, low, high) if bare else ""
+            raise self.refusal(
+                row, f"the value must be {self._limits()}; got {got}.{likely or ' Check value and unit.'}"
+            )
         parts = ~np.isnan(values) & (values != np.floor(values)) & self.column.whole
         for row in np.flatnonzero(parts)[:1].tolist():
             raise self.refusal(row, f"the value must be an integer; got {quoted(cells[row])}. Round it.")

@@ -79,7 +79,7 @@ QUANTITIES = {
 }
 #: Last words of names that are units written without signs, by quantity.
 SUFFIXES = {
-    "time": {"s": "s", "sec": "s", "seconds": "s", "ms": "ms", "us": "us", "min": "min", "h": "h"},
+    "time": {"s": "s", "sec": "s", "sek": "s", "seconds": "s", "ms": "ms", "us": "us", "min": "min", "h": "h"},
     "speed": {"kmh": "km/h", "km_h": "km/h", "kph": "km/h", "kmph": "km/h", "mph": "mph", "mps": "m/s", "m_s": "m/s"},
     "length": {"m": "m", "km": "km"},
     "acceleration": {"mps2": "m/s2", "m_s2": "m/s2"},

@@ -36,7 +36,7 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
     "per length": {"1/m": (1, 1), "rad/m": (1, 1), "m-1": (1, 1), "1/km": (1, 1000), "rad/km": (1, 1000)},
     "time": {
         "s": (1, 1),
-        "sec": (1, 1),
+        **dict.fromkeys(("sec", "sec.", "sek", "sek.", "Sek", "Sek."), (1, 1)),
         "ms": (1, 1000),
         "us": (1, 1_000_000),
         "\u00b5s": (1, 1_000_000),

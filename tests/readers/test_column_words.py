@@ -104,7 +104,7 @@ def test_a_false_friend_and_a_name_of_two_columns_are_refused(tmp_path: Path) ->
         path.write_text(f"kind,{head}\nwagon,60\n")
         with pytest.raises(FileError, match=f"'{head}' is unknown. {said}"):
             read_consist(path)
-    with pytest.raises(FileError, match="'Rayon' is unknown. A radius must be a curvature here, 1 / radius, above 0"):
+    with pytest.raises(FileError, match=r"'Rayon' is unknown. A radius must be a curvature here, 1 / radius, above 0"):
         table_of("distance,Rayon\n0,300\n", "line.csv", LINE.columns)
     path = tmp_path / "train.toml"
     path.write_text('[[vehicle]]\nkind = "wagon"\nlength = 20\nlongueur = 20\n')

@@ -33,6 +33,7 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     ("text", "columns", "expected"),
     [
         ("t,v [m/s]\n0,1\n1,2\n", None, {"time": [0, 1], "speed": [1, 2]}),
+        ("Zeit [Sek.],v [m/s]\n0,1\n1,2\n", None, {"time": [0, 1], "speed": [1, 2]}),
         ("Zeit;Geschwindigkeit / km/h\n0;3,6\n0,5;7,2\n", None, {"time": [0, 0.5], "speed": [1, 2]}),
         ("time_ms,axle_1_speed [km/h]\n0,36\n50,72\n", None, {"time": [0, 0.05], "wheel_speed_1": [10, 20]}),
         ("t [s],V Zug in km/h\n0,36\n1,72\n", {"V Zug": "speed"}, {"time": [0, 1], "speed": [10, 20]}),

@@ -131,6 +131,11 @@ BAD: dict[str, tuple[str, str | bytes, str]] = {
         "kind,load\n\nlocomotive,\nwagon,-5\n",
         "row 4, column load: the value must be from 0 to 200 t; got '-5' t. Check value and unit.",
     ),
+    "a length in mm": (
+        "a.csv",
+        "kind,length\nlocomotive,18980\n",
+        "row 2, column length: the value must be from 3 to 31 m; got '18980' m. Did you mean 18980 mm = 18.98 m?",
+    ),
     "a load in kg": (
         "a.csv",
         "kind;load [kg]\nlocomotive;0\nwagon;300000,5\n",
