@@ -12,8 +12,8 @@ from rbd_model.track.line_pieces import SourcedLine, line_of_alignment
 from rbd_model.track.line_points import line_from_points, line_of_course
 from rbd_model.track.point_files import NAMES
 from readers.column_words import column_meant
-from readers.formats.lines import is_foreign_line, read_foreign_line
-from readers.formats.maps import read_map
+from readers.formats.lines import read_foreign_line
+from readers.formats.ways import Course
 from readers.import_account import Account
 from readers.tables import names_of
 from readers.text import BadInputError
@@ -32,9 +32,7 @@ OPTIONS = {
 
 
 def kind_of(path: Path) -> str:
-    """Return what a file holds: ELEMENTS, POINTS, FOREIGN or LINE. Raises FileError if it cannot be read."""
-    if is_foreign_line(path):
-        return FOREIGN
+    """Return what a table holds: ELEMENTS, POINTS or LINE. Raises FileError if it cannot be read."""
     names = {column_meant(name, OF_ELEMENTS | NAMES) or name for name in names_of(path)}
     return ELEMENTS if names >= OF_ELEMENTS else POINTS if names & NAMES else LINE
 
@@ -79,8 +77,8 @@ def line_from_file(
         If the file cannot be read.
     """
     path = Path(path)
-    course = read_map(path, tracks)
-    kind = MAP if course else kind_of(path)
+    found = read_foreign_line(path, tracks)
+    kind = kind_of(path) if found is None else MAP if isinstance(found, Course) else FOREIGN
     given = {"profile": profile, "start": start, "noise": noise, "tracks": tracks or None}
     for name, kinds in OPTIONS.items():
         if given[name] is not None and kind not in kinds:
@@ -90,12 +88,12 @@ def line_from_file(
         line = line_from_elements(path, profile, start)
     elif kind == POINTS:
         line = line_from_points(path, noise, start or 0.0)
-    elif course:
-        line = line_of_course(course, noise, start or 0.0)
-    elif kind == FOREIGN:
-        line = line_of_alignment(read_foreign_line(path, tracks))
-    else:
+    elif found is None:
         line = read_line(path)
+    elif isinstance(found, Course):
+        line = line_of_course(found, noise, start or 0.0)
+    else:
+        line = line_of_alignment(found)
     return mirrored(line) if mirror else line
 
 

@@ -13,7 +13,7 @@ from rbd_model.track.points import FEWEST, SAME, Points, forwards, ways_of
 from rbd_model.track.projection import unrolled
 from readers.column_names import TEXT
 from readers.columns import Column
-from readers.formats.maps import read_map
+from readers.formats.lines import read_foreign_line
 from readers.formats.osm_tags import gradient_in, speed_in, unread
 from readers.formats.ways import LATITUDE, LONGITUDE, Course
 from readers.import_account import Account
@@ -44,9 +44,11 @@ NAMES = KNOWN - set(HEIGHT)
 def points_of(given: str | Path | ArrayLike, tracks: Sequence[str] = ()) -> Points:
     """Return points from a file or an array; tracks: those of a map or receiver."""
     if isinstance(given, str | Path):
-        course = read_map(Path(given), tracks)
-        if course:
-            return points_of_course(course)
+        found = read_foreign_line(Path(given), tracks)
+        if isinstance(found, Course):
+            return points_of_course(found)
+        if found is not None:
+            raise FileError(f"{given} must have points; it has the line of another program. Use line_from_file.")
     if tracks:
         raise BadInputError("tracks must be given for files of maps and receivers alone. Leave them out.")
     if isinstance(given, str | Path):

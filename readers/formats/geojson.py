@@ -80,7 +80,7 @@ def _lines(geometry: Any, source: str) -> Iterator[list[Any]]:
     elif kind == "LineString":
         yield list_in(geometry, "coordinates", source)
     elif kind == "MultiLineString":
-        yield from list_in(geometry, "coordinates", source)
+        yield from (list_in({kind: one}, kind, source) for one in list_in(geometry, "coordinates", source))
 
 
 def _point(given: Any, source: str) -> tuple[float, float, float]:

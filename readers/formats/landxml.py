@@ -18,13 +18,12 @@ import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from pathlib import Path
 
 from readers.alignment import BLOSS, LINEAR, SHORTEST, Alignment, Piece, may_touch
 from readers.formats.line_tracks import listed, tell_jumps
 from readers.import_account import Account
 from readers.text import FileError, shown
-from readers.xml_files import attribute, inside, name_of, required, value_of, xml_of
+from readers.xml_files import attribute, inside, name_of, required, value_of
 
 VERTICALS = ("PVI", "ParaCurve", "CircCurve", "UnsymParaCurve")
 
@@ -237,15 +236,11 @@ LEFT = {
 }
 
 
-def read_landxml(path: Path, asked: Sequence[str] = ()) -> Alignment:
+def landxml_line(root: ET.Element, asked: Sequence[str], source: str) -> Alignment:
     """Return the line of one alignment."""
-    source = str(path)
-    root = xml_of(path)
     found = {one.get("name") or f"{number}": one for number, one in enumerate(inside(root, "Alignment"), 1)}
-    if root.tag != "LandXML" or not found:
-        raise FileError(
-            f"{source} must be LandXML with an Alignment; got {shown(root.tag)} without. Give another file."
-        )
+    if not found:
+        raise FileError(f"{source} must be LandXML with an Alignment; got none. Give another file.")
     if len(asked) > 1 or (not asked and len(found) > 1) or (asked and asked[0] not in found):
         raise FileError(
             f"{source}: one alignment must be named with --tracks; the file has {listed(found)}. Name one of these."

@@ -9,17 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 from readers.alignment import Alignment, Piece
-from readers.documents import document, list_in, number_in, text_in
+from readers.documents import list_in, number_in, text_in
 from readers.formats.line_tracks import Track, joined, listed, route_of
 from readers.import_account import Account
-from readers.text import FileError, shown, text_of
+from readers.text import FileError, shown
 
-#: Largest file [bytes], longest track section [m].
-LARGEST, LONGEST = 64_000_000, 1e6
+#: Longest track section [m].
+LONGEST = 1e6
 #: Fields of a track section without a use, each with the reason.
 LEFT = {
     "geo": "its points are positions on a map",
@@ -30,10 +29,8 @@ LEFT = {
 ROUNDING = 1e-3
 
 
-def read_osrd_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
+def osrd_line(read: Any, asked: Sequence[str], source: str) -> Alignment:
     """Return the line over track sections."""
-    source = str(path)
-    read = document(text_of(path, LARGEST).encode(), source)
     if not isinstance(read, dict) or "track_sections" not in read:
         names = shown(", ".join(read) if isinstance(read, dict) else read)
         forms = "OSRD (track_sections), Overpass (elements) or GeoJSON (type)"

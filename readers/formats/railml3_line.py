@@ -39,7 +39,7 @@ class GeometryElement:
 
 
 def read_railml3(infrastructure: ET.Element, asked: Sequence[str], source: str) -> Alignment:
-    """Return the line over net elements; see `read_railml_line`. Raises FileError."""
+    """Return the line over net elements; see `railml_line`. Raises FileError."""
     lengths = {
         one.get("id", ""): attribute(one, "length", source, LONGEST) or 0.0
         for one in inside(infrastructure, "netElement")

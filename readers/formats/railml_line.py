@@ -14,14 +14,13 @@ import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 from readers.alignment import BLOSS, LINEAR, OVERLAP, Alignment, Piece
 from readers.formats.line_tracks import Track, joined, listed, route_of
 from readers.formats.railml3_line import read_railml3
 from readers.import_account import Account
 from readers.text import FileError, shown
-from readers.xml_files import attribute, inside, required, xml_of
+from readers.xml_files import attribute, inside, required
 
 LONGEST, SHORTEST = 1e7, 0.01
 #: Letters by which descriptions of transition curves are found, and their form.
@@ -51,12 +50,9 @@ class Change:
     by_radius: bool = False
 
 
-def read_railml_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
+def railml_line(root: ET.Element, asked: Sequence[str], source: str) -> Alignment:
     """Return the line over tracks."""
-    source, root = str(path), xml_of(path)
     found = next(inside(root, "infrastructure"), root)
-    if root.tag not in ("railml", "railML", "infrastructure"):
-        raise FileError(f"{source} must be railML; got {shown(root.tag)}. Give another file.")
     if next(inside(found, "horizontalCurves", "gradientCurves"), None) is not None:
         return read_railml3(found, asked, source)
     elements = {one.get("id") or one.get("name") or f"{n}": one for n, one in enumerate(inside(found, "track"), 1)}

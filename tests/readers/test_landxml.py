@@ -10,7 +10,8 @@ import pytest
 
 from rbd_model.track.line_files import line_from_file
 from rbd_model.track.line_pieces import SourcedLine, end_of
-from readers.formats.landxml import read_landxml
+from readers.alignment import Alignment
+from readers.formats.lines import read_foreign_line
 from readers.text import FileError
 
 BAND = 1e-6
@@ -45,7 +46,9 @@ def test_circles_touch_where_their_tangents_end(tmp_path: Path) -> None:
     inner = "".join(f'<CircCurve length="1" radius="{radius}">{x:.9f} {y:.9f}</CircCurve>' for x, y in points[1:3])
     ends = [f"<PVI>{x:.9f} {y:.9f}</PVI>" for x, y in (points[0], points[3])]
     path = landxml(tmp_path, f'<Line length="{place}"/>', ends[0] + inner + ends[1])
-    pieces = read_landxml(path).gradient
+    alignment = read_foreign_line(path)
+    assert isinstance(alignment, Alignment)
+    pieces = alignment.gradient
     reach = radius * math.sin(slopes[1]), radius * (2.0 * math.sin(slopes[1]) - math.sin(slopes[2]))
     assert [(one.end, one.last) for one in pieces if one.end in (pieces[1].end, pieces[3].end)] == [
         (pytest.approx(reach[0], abs=BAND), pytest.approx(0.04)),

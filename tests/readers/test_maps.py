@@ -212,11 +212,16 @@ REFUSED = {
         gpx(PLACES).replace("</gpx>", gpx(PLACES).partition('1/1">')[2]),
         "must be named, as --tracks ride; the file",
     ),
-    "another root": ("a.kml", "<html/>", "must be GPX, KML or OSM; got the root html"),
+    "another root": ("a.kml", "<html/>", "must be railML, LandXML, GPX, KML or OSM; got html"),
     "no lines": (
         "a.geojson",
         '{"type": "FeatureCollection", "features": []}',
         "must have a LineString or MultiLineStr",
+    ),
+    "no positions": (
+        "a.geojson",
+        '{"type": "MultiLineString", "coordinates": [1, 2]}',
+        "MultiLineString must be a list; got 1",
     ),
     "no map": ("a.json", "{}", r"must be JSON of OSRD \(track_sections\), Overpass \(elements\) or GeoJSON \(type\)"),
     "part of a map": (
