@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import heapq
-import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from readers.formats.line_tracks import BACKWARDS, LISTED
@@ -19,11 +21,11 @@ from readers.text import FileError, shown
 #: Part of a way between junctions: index of the way, first and last point. A step along it, forwards or not.
 Part = tuple[int, int, int]
 Step = tuple[int, bool]
-#: Length [m] of a route between its named ways, its steps, and messages about its gaps.
+#: A route: length of its parts that are not named [m], steps, messages about gaps.
 Route = tuple[float, list[Step], list[str]]
 #: Ends that are compared with each end: itself and the nearest other one.
 NEAR = 2
-#: Largest gap before a named way [m]. Cosine of the largest turn at a junction: no vehicle turns back at a switch.
+#: Largest gap [m] before a named way. Cosine of the largest turn at a junction: no vehicle turns back at a switch.
 BRIDGED, LEAST_COSINE = 100.0, 0.0
 #: Times that the length of sidings and crossovers counts in a route.
 SERVICE = 5.0
@@ -85,7 +87,7 @@ class Net:
         return (one for one in self.leaving[self.behind(step)] if one[0] != step[0] and not self.turns_back(step, one))
 
     def ways_of(self, steps: Sequence[Step]) -> list[tuple[str, bool]]:
-        """Return the names of the ways of a route, each with whether it is run backwards."""
+        """Return the name of each way of a route, and whether it is run backwards."""
         found = [(self.ways[self.parts[part][0]].name, not forwards) for part, forwards in steps]
         return [one for number, one in enumerate(found) if not number or found[number - 1] != one]
 
@@ -186,26 +188,28 @@ class Net:
         length = float(np.sum(np.linalg.norm(np.diff(self.points(step), axis=0), axis=1)))
         return length * (SERVICE if "service" in self.ways[self.parts[step[0]][0]].tags else 1.0)
 
+    @cached_property
+    def _turns(self) -> Any:
+        """Cost of each step behind each one that it may follow [m]; a step has the number 2 part + direction."""
+        steps = [(part, forwards) for part in range(len(self.parts)) for forwards in (False, True)]
+        turns = [(at, 2 * part + forwards) for at, step in enumerate(steps) for part, forwards in self.after(step)]
+        before, after = np.array(turns, int).reshape(-1, 2).T
+        costs = np.array([self._cost(step) for step in steps])
+        return csr_array((costs[after], (before, after)), (len(steps), len(steps)))
+
     def _between(self, begin: Step, goal: Step) -> tuple[float, list[Step]] | None:
-        """Return length [m] and steps of the shortest way from the end of a step to another one (Dijkstra 1959)."""
-        before: dict[Step, Step] = {}
-        costs, queue = {begin: 0.0}, [(0.0, begin)]
-        while queue:
-            cost, step = heapq.heappop(queue)
-            if cost > costs[step]:
-                continue
-            for one in self.after(step):
-                if one == goal:
-                    route = []
-                    while step != begin:
-                        route.append(step)
-                        step = before[step]
-                    return cost, route[::-1]
-                total = cost + self._cost(one)
-                if total < costs.get(one, math.inf):
-                    costs[one], before[one] = total, step
-                    heapq.heappush(queue, (total, one))
-        return None
+        """Return length [m] and steps of the shortest way from the end of a step to another one."""
+        first, (part, forwards) = 2 * begin[0] + begin[1], goal
+        costs, before = dijkstra(self._turns, indices=first, return_predecessors=True)
+        ends = [2 * part + (not forwards) for part, forwards in self.after((part, not forwards))]
+        last = min(ends, key=costs.__getitem__, default=None)
+        if last is None or not np.isfinite(costs[last]):
+            return None
+        cost, route = float(costs[last]), []
+        while last != first:
+            route.append((last // 2, bool(last % 2)))
+            last = int(before[last])
+        return cost, route[::-1]
 
 
 def _labels(ways: Sequence[Way]) -> list[list[int]]:
