@@ -35,7 +35,7 @@ class RawColumn:
     Attributes
     ----------
     name, unit : str
-        As in the file; an empty string is no unit.
+        As in the file. The unit may be empty.
     size : int
         Number of its rows.
     read : callable

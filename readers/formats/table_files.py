@@ -37,33 +37,10 @@ def write_columns(
     units: Mapping[str, str],
     metadata: Mapping[str, str] | None = None,
 ) -> Path:
-    """Write named columns whole or not at all, with all digits.
+    """Write named columns whole or not at all, with all digits, in the format of the path's end.
 
-    Parameters
-    ----------
-    path : Path
-        Its end is one of ENDS.
-    columns : mapping of str to sequence, shape (rows,)
-        Numbers, where NaN and None mean that there is no value. A column without a unit has strings, which CSV and
-        Parquet alone can have.
-    units : mapping of str to str
-        Unit of each column of numbers, by name.
-    metadata : mapping of str to str, optional
-        Strings that describe the table, by name: remarks in a CSV, metadata in other formats.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    FileError
-        If the name has another end, or the format has no place for a column.
-    MissingExtraError
-        If the package of the format is not installed.
-    StorageError
-        If the file cannot be written.
+    Columns with a unit have numbers, where NaN and None mean that there is no value. Others have strings, which CSV and
+    Parquet alone can have. Raises FileError, MissingExtraError, StorageError.
     """
     check_end(path)
     end, about = path.suffix.lower(), dict(metadata or {})
