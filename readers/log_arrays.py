@@ -68,16 +68,12 @@ class ArrayLog:
         self.unusable = {head.at: kind for head in self.heads if (kind := self._kind(raw[head.at]))}
 
     def _kind(self, raw: RawColumn) -> str:
-        """Return why a column holds no numbers, by its first rows; "" if it does."""
+        """Return why a column holds no numbers, by its first rows with values; "" if it does."""
         if raw.unusable or not raw.size:
             return raw.unusable or "no values"
-        values = self._read(raw, SAMPLE)
-        if isinstance(values, list):
-            cells = [cell for cell in values if cell.casefold() not in MISSING]
-            return "" if any(is_decimal(cell) for cell in cells) else "text" if cells else "no values"
-        if values.dtype.kind in "mM":
-            return "times"
-        return "no values" if values.dtype.kind == "f" and not np.any(~np.isnan(values)) else ""
+        kind = _kind_of(self._read(raw, SAMPLE))
+        begins_late = kind == "no values" and SAMPLE < raw.size <= MOST_ROWS
+        return _kind_of(self._read(raw)) if begins_late else kind
 
     def _read(self, raw: RawColumn, count: int | None = None) -> Values:
         """Return values of a column. Raises FileError, also for an error of the package that reads the format."""
@@ -101,6 +97,8 @@ class ArrayLog:
     def _time_of(self, head: Head, times: Sequence[LogColumn]) -> LogColumn:
         if (found := time_of(head, times)) is not None:
             return found
+        if reason := self._raw[head.at].unusable:
+            raise TableError(f"{self.source}: the column {quoted(head.cell)} must have numbers; it is {reason}.")
         there = ", ".join(f"{quoted(one.head.cell)} has {one.head.base[1]}" for one in times[:4])
         raise TableError(
             f"{self.source}: the column {quoted(head.cell)} must have a time with as many values, {head.base[1]}; "
@@ -121,6 +119,16 @@ class ArrayLog:
                 got = f"{quoted(column.head.cell)} has {len(one)} values, {size} are declared"
                 raise damaged(self.source, self._program, ValueError(got))
         return ArrayRows(self.source, columns, values)
+
+
+def _kind_of(values: Values) -> str:
+    """Return why values are not numbers; "" if they are."""
+    if isinstance(values, list):
+        cells = [cell for cell in values if cell.casefold() not in MISSING]
+        return "" if any(is_decimal(cell) for cell in cells) else "text" if cells else "no values"
+    if values.dtype.kind in "mM":
+        return "times"
+    return "no values" if values.dtype.kind == "f" and not np.any(~np.isnan(values)) else ""
 
 
 def damaged(source: str, program: str, error: BaseException) -> FileError:

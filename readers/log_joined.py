@@ -16,13 +16,21 @@ from readers.columns import TableError
 from readers.log_arrays import MOST_VALUES
 from readers.log_rows import Log, check_speeds, ordered
 from readers.log_times import Times
+from readers.text import shown
 
 #: Times of two bases are one row up to this distance [s], and up to this share of the least step.
 SAME, SHARE = 1e-6, 0.25
+#: Fewest times of a base.
+FEWEST = 2
 
 
 def joined(source: str, parts: Sequence[tuple[Log, Times]], messages: list[str]) -> Log:
     """Return one log; messages: of all parts, to which those about the rows are added. Raises TableError."""
+    few = [log for log, _ in parts if np.count_nonzero(np.isfinite(log.numbers["time"])) < FEWEST]
+    if few and len(few) < len(parts):
+        names = ", ".join(shown(name) for log in few for name in list(log.numbers)[1:])
+        messages.append(f"{source}: left out columns with fewer than {FEWEST} times: {names}.")
+        parts = [part for part in parts if part[0] not in few]
     if len({bool(times.clock) for _, times in parts}) > 1:
         raise TableError(
             f"{source}: the times of all columns must be those of a clock, or of none; got both. Leave columns out by "

@@ -90,14 +90,17 @@ def _with_units(heads: list[Head], begin: Begin) -> tuple[list[Head], Begin]:
 
 
 def _texts(heads: Sequence[Head], begin: Begin) -> dict[int, str]:
-    """Return the places of columns that hold text or nothing in the first rows, each with this word."""
-    rows = [cells for (_, cells), _ in zip(begin.rows_behind(), range(SAMPLE), strict=False)]
-    found = {}
-    for head in heads:
-        cells = [row[head.at] for row in rows if head.at < len(row) and row[head.at].casefold() not in MISSING]
-        if rows and not any(is_decimal(cell) for cell in cells):
-            found[head.at] = "text" if cells else "no values"
-    return found
+    """Return the places of columns that hold text in the first rows with values, or nothing, each with this word."""
+    found: dict[int, list[str]] = {head.at: [] for head in heads}
+    count = 0
+    for count, (_, row) in enumerate(begin.rows_behind(), 1):
+        sought = [at for at, cells in found.items() if count <= SAMPLE or not cells]
+        if not sought:
+            break
+        for at in sought:
+            found[at] += [cell for cell in row[at : at + 1] if cell.casefold() not in MISSING]
+    numbers = {at for at, cells in found.items() if any(is_decimal(cell) for cell in cells)}
+    return {at: "text" if cells else "no values" for at, cells in found.items() if count and at not in numbers}
 
 
 @dataclass

@@ -261,6 +261,24 @@ def test_arrays_of_another_length_need_a_time_of_theirs(tmp_path: Path) -> None:
     assert list(read_without.numbers) == ["time", "speed"]
 
 
+@pytest.mark.parametrize("count", [0, 1])
+def test_a_message_that_came_once_or_never_is_left_out(count: int, tmp_path: Path) -> None:
+    with asammdf.MDF(version="4.10") as mdf:
+        for name, at in (("speed", TIME), ("wheel_speed_1", TIME[:count])):
+            mdf.append(asammdf.Signal(20.0 - at, at, name=name, unit="m/s"))
+        mdf.save(tmp_path / "run.mf4")
+    read = read_log(tmp_path / "run.mf4", COMMON)
+    assert list(read.numbers) == ["time", "speed"]
+    assert read.messages == [f"{read.source}: left out columns with fewer than 2 times: wheel_speed_1."]
+
+
+@pytest.mark.parametrize("end", [".csv", ".parquet"])
+def test_a_column_may_begin_late(end: str, tmp_path: Path) -> None:
+    values = np.where(TIME < 2.5, math.nan, SPEED)
+    table = Recording({"time": "s", "v_ist": "m/s"}, np.column_stack([TIME, values]))
+    np.testing.assert_array_equal(read_log(table.write(tmp_path / f"run{end}"), COMMON).numbers["speed"], values)
+
+
 def test_clocks_of_several_bases_have_one_begin(tmp_path: Path) -> None:
     begin = 1_767_225_600.0
     with h5py.File(tmp_path / "run.h5", "w") as file:
@@ -368,6 +386,10 @@ def test_objects_of_matlab_are_named_with_the_remedy(tmp_path: Path) -> None:
 
     opaque = MatlabOpaque(np.array([(b"tt", b"MCOS", b"timetable", None)], [(f"s{n}", "O") for n in range(4)]))
     assert "save its columns as vectors" in _node("None", opaque).unusable
+    with h5py.File(tmp_path / "run.h5", "w") as file:
+        file["time"], file["speed"] = TIME, SPEED.astype(complex)
+    with pytest.raises(FileError, match="the column 'speed' must have numbers; it is array of complex128"):
+        read_log(tmp_path / "run.h5", COMMON)
 
 
 def test_a_missing_package_is_told_before_work(monkeypatch: pytest.MonkeyPatch, run: Recording, tmp_path: Path) -> None:
