@@ -143,7 +143,7 @@ GERMAN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 def plain(name: str) -> str:
     """Return a name in small ASCII letters, digits and underscores."""
     whole = unicodedata.normalize("NFC", name).casefold()
-    letters = unicodedata.normalize("NFKD", whole.translate(GERMAN))
+    letters = unicodedata.normalize("NFD", whole.translate(GERMAN))
     bare = "".join(letter for letter in letters if not unicodedata.combining(letter))
     return re.sub(r"[^a-z0-9]+", "_", bare).strip("_")
 

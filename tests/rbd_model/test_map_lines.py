@@ -158,6 +158,7 @@ def test_errors_of_noisy_courses_lie_within_their_bounds(kind: str) -> None:
     assert np.max(np.abs(found[2])) < 1.0
     assert np.max(np.abs(found[3])) < 1.0
     assert np.median(line.curvature_error) < 0.0025
+    assert np.all(np.isfinite(line.gradient_error)) == kind.startswith("receiver")
 
 
 @pytest.mark.study
