@@ -30,7 +30,6 @@ from bogie_braking.line_in_file import file_of
 from bogie_braking.machines import Runnable, batch_machine_of, machine_of, model_from, unfolded
 from bogie_braking.provenance import encoded, encoded_value
 from bogie_braking.reducers import interval_of, is_statistic, results_of
-from bogie_braking.simulation import INTERVAL
 from bogie_braking.single_runs import SingleRuns
 from fmu_src.batch import BatchLibrary, Ends, Instances, run_batch, table_of
 from fmu_src.cosimulation.recording import Recording
@@ -105,7 +104,7 @@ def batch(
         library, given = prepared(what, line, values, ("messages", "interval"))
         variables, identity = variables_of_batch(library), library.identity
         results = results_of(outputs, variables)
-        interval_of(interval, results, INTERVAL)
+        interval_of(interval, results, duration)
         with tempfile.TemporaryDirectory() as folder:
             ends = run_batch(library, given, duration, results.names, threads, file_of(line, folder), messages)
         ends = _with_notes(ends, library, given)
@@ -139,7 +138,7 @@ def _single_ends(
     for name in values:
         known(name, machine.variables, "variable")
     results = results_of(outputs, machine.variables)
-    single = SingleRuns(what, duration, line, results, interval_of(interval, results, INTERVAL))
+    single = SingleRuns(what, duration, line, results, interval_of(interval, results, duration))
     points = [{**files, **dict(zip(numbers, row, strict=True))} for row in table.tolist()]
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
         ends = list(pool.map(single.end_or_failure, points))
@@ -183,7 +182,8 @@ class BatchEnds(Ends):
         """Return number, varied values and outputs of each run, shape (runs,), with its message."""
         count = self.time.size
         columns = {"number": np.arange(count), **self.given, **self.outputs}
-        messages = self.messages or [self.failures.get(run, "") for run in range(count)]
+        ends = [f"Ended at {time:g} s." if ended else "" for time, ended in zip(self.time, self.ended, strict=True)]
+        messages = self.messages or [self.failures.get(run, end) for run, end in enumerate(ends)]
         rows, units = np.column_stack(list(columns.values())), {"number": "1"} | self.units
         return Recording(units, rows, messages, {"runs": count}, ("number", *self.given), self.provenance)
 

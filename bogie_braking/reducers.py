@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from bogie_braking.checks import known, names_of, near, number, once, seconds, shown
+from bogie_braking.simulation import INTERVAL
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import Variable
 
@@ -40,7 +41,7 @@ class Statistic:
     @property
     def column(self) -> str:
         """Return its name in tables."""
-        return f"{self.word}({self.variable}{'' if self.share is None else f', {self.share:g}'})"
+        return f"{self.word}({self.variable}{'' if self.share is None else f', {self.share:.12g}'})"
 
     def __call__(self, run: Recording) -> float:
         """Return it for a run."""
@@ -84,13 +85,18 @@ def is_statistic(name: Any) -> bool:
     return isinstance(name, str) and COLUMN.fullmatch(name) is not None
 
 
-def interval_of(interval: Any, results: Results, usual: float) -> float:
-    """Return the interval of the rows [s]. Raises ValueError if it is invalid, or has no effect on final values."""
+def interval_of(interval: Any, results: Results, duration: float) -> float:
+    """Return the interval of the rows of a run over a duration [s].
+
+    Raises ValueError if it is invalid, longer than the run, or without effect on final values.
+    """
     if interval is None:
-        return usual
+        return min(INTERVAL, duration)
     if results.final:
         raise ValueError(f"interval must be left out where all results are final values; got {shown(interval)}.")
-    return seconds("the interval", interval)
+    if seconds("the interval", interval) > duration:
+        raise ValueError(f"interval must be at most the duration, {duration:g} s; got {interval:g} s. Lower it.")
+    return float(interval)
 
 
 def _called(name: str, function: Callable[[Recording], float], run: Recording) -> float:
@@ -147,6 +153,8 @@ def _share(name: str, text: str) -> float:
         share = float("nan")
     if not 0.0 <= share <= 100.0:
         raise ValueError(f"The share of {name} must be from 0 to 100 %; got {text}. Correct it.")
+    if 0.5 <= share < 1.0:  # 0.15 % is usual, as in EN 14363
+        raise ValueError(f"The share of {name} must be in %; got {text}. Write {100.0 * share:.12g}.")
     return share
 
 

@@ -23,7 +23,6 @@ from bogie_braking.histories import Column, Value
 from bogie_braking.machines import CREEP_LAW, Runnable, machine_of, model_from, unfolded
 from bogie_braking.provenance import absent, digest_of_file, encoded, encoded_values, files_in
 from bogie_braking.reducers import Reduce, Results, interval_of, results_of
-from bogie_braking.simulation import INTERVAL
 from bogie_braking.single_runs import SingleRuns
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.arrays import heads_of, named_arrays
@@ -203,7 +202,7 @@ def sweep(
     check_sent(executor, results)
     once(("number", *vary, *results.names), "column")
     units = {key: machine.variables[key].unit for key in vary} | dict(results.units)
-    every = interval_of(interval, results, INTERVAL)
+    every = interval_of(interval, results, duration)
     runs = Runs(SingleRuns(what, duration, line, results, every), values)
     arguments = {"what": encoded(given[0]), "duration": duration, "names": list(names), "vary": list(columns)}
     arguments |= {} if results.final else {"interval": every}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import resource
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -124,6 +125,7 @@ def test_runs_in_space_that_end_early_are_those_which_they_are_alone() -> None:
     assert 3 < np.count_nonzero(ends.ended) < 17
     assert (ends.time[ends.ended] < 5.0).all()
     assert (ends.time[~ends.ended] == 5.0).all()
+    assert [text != "" for text in replace(ends, messages=None).table.messages] == ends.ended.tolist()
 
 
 @pytest.mark.study

@@ -86,6 +86,8 @@ def test_an_interval_sets_the_rows_of_a_run_and_no_final_value() -> None:
     assert coarse["maximum(axle_load_1)"][0] == pytest.approx(run["axle_load_1"].max(), rel=1e-9)
     final = bb.sweep("bogie", 4.0, ["distance"], VARY, **SCENE)
     assert coarse["distance"] == pytest.approx(final["distance"], rel=1e-6)
+    short = bb.sweep("bogie", 1e-3, ["maximum(distance)", "distance"], VARY, **SCENE)
+    assert np.array_equal(short["maximum(distance)"], short["distance"])
 
 
 def test_the_probability_of_a_maximum_is_that_of_a_closed_form() -> None:
@@ -117,6 +119,7 @@ def never(run: bb.Recording) -> Any:
         (lambda: sweep(["percentile(speed)"]), ValueError, r"must be written as percentile\(NAME, SHARE\)"),
         (lambda: sweep(["maximum(speed, 3)"]), ValueError, r"must be written as maximum\(NAME\)"),
         (lambda: sweep(["percentile(speed, 101)"]), ValueError, "must be from 0 to 100 %; got 101"),
+        (lambda: sweep(["percentile(speed, 0.95)"]), ValueError, r"must be in %; got 0\.95\. Write 95\."),
         (lambda: sweep(["speed", "speed"]), ValueError, "Each column must have a name of its own"),
         (lambda: sweep([]), ValueError, "names must have at least one result"),
         (lambda: sweep(["speed"], interval=0.1), ValueError, "interval must be left out where all results are final"),
@@ -124,6 +127,11 @@ def never(run: bb.Recording) -> Any:
             lambda: sweep(["maximum(speed)"], interval=0.0),
             ValueError,
             "The interval must be a number of seconds above 0",
+        ),
+        (
+            lambda: sweep(["maximum(speed)"], interval=2.0),
+            ValueError,
+            "interval must be at most the duration, 1 s; got 2 s",
         ),
         (lambda: sweep([], reduce={"jerk [m/s3]": 3}), TypeError, "reduce must have functions by name"),
         (lambda: sweep([], reduce=steepest), TypeError, "reduce must have functions by name"),
