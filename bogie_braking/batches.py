@@ -33,12 +33,11 @@ from bogie_braking.reducers import interval_of, is_statistic, results_of
 from bogie_braking.single_runs import SingleRuns
 from fmu_src.batch import BatchLibrary, Ends, Instances, run_batch, table_of
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.system import Model, System, Variable
+from fmu_src.system import System, Variable
 from products.run_history import provenance_of
 from products.vehicle_file import DataSheet
 from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.track.line import Line
-from rbd_model.vehicle.description import Vehicle
 from readers.usual import almost_0, is_almost_0, note
 
 #: Parameters that name a file of all runs; a line is given as such.
@@ -113,7 +112,7 @@ def batch(
     arguments = {"what": encoded(what), "duration": duration, "outputs": list(outputs), "vary": list(columns)}
     arguments |= {"values": {name: encoded_value(value) for name, value in values.items() if name not in columns}}
     arguments |= {"line": encoded(line)} | ({} if interval is None else {"interval": interval})
-    provenance = provenance_of("batch", arguments, identity if isinstance(what, System | Model | Vehicle) else "")
+    provenance = provenance_of("batch", arguments, identity)
     units = {name: units[name] for name in (*columns, *ends.outputs)}
     return BatchEnds(**vars(ends), given=columns, units=units, provenance=provenance)
 

@@ -36,11 +36,15 @@ def encoded(value: Any) -> Any:
         return value.item()
     if is_number(value):
         return int(value) if isinstance(value, int) else float(value)
+    if isinstance(value, float):
+        return {"number": str(float(value))}  # JSON has no infinity and no NaN
     for kind, encode in KINDS.items():
         if isinstance(value, kind):
             return encode(value)
     if hasattr(value, "dist") and type(_distribution(value.dist.name)) is type(value.dist):
-        return {"distribution": value.dist.name, "arguments": encoded(value.args), "options": encoded(value.kwds)}
+        if all(isinstance(number, int | float | np.number) for number in (*value.args, *value.kwds.values())):
+            return {"distribution": value.dist.name, "arguments": encoded(value.args), "options": encoded(value.kwds)}
+        return absent("a distribution of arrays")
     kind = "class" if isinstance(value, type) else "function" if callable(value) else ""
     return absent(f"the {kind} {getattr(value, '__name__', '')}".strip() if kind else f"a {type(value).__name__}")
 
@@ -140,7 +144,7 @@ def encoded_values(values: Mapping[str, Any], variables: Mapping[str, Variable])
     """Return parameters and inputs of runs as JSON, by name."""
     found = {}
     for name, value in values.items():
-        over_time = name in variables and not (isinstance(value, str) or is_number(value))
+        over_time = name in variables and not (isinstance(value, str | float) or is_number(value))
         try:
             found[name] = encoded_value(History(variables[name], value) if over_time else value)
         except SimulationError:  # each run is refused, with the reason
@@ -191,7 +195,10 @@ class Decoder:
             return value
         if name in self._given and ("absent" in value or "file" in value):
             self._left.discard(name)
-            return self._checked(name, self._given[name], value)
+            given = self._given[name]
+            if "file" in value and isinstance(given, str | Path):
+                return self._file({**value, "file": str(given)})
+            return self._checked(name, given, value)
         if "absent" in value:
             raise ValueError(
                 f"{self._source} cannot hold {name}, which was {value['absent']}. Give it: "
@@ -202,6 +209,7 @@ class Decoder:
             "times": self._table,
             "settings": self._settings,
             "distribution": self._distribution,
+            "number": lambda value: float(value["number"]),
         }
         for kind, decode in kinds.items():
             if kind in value:
@@ -231,7 +239,8 @@ class Decoder:
         found = _distribution(value["distribution"])
         if found is None:
             raise FileError(f"{self._source} must name a distribution of scipy.stats; got {value['distribution']!r}.")
-        return found(*value["arguments"], **value["options"])
+        arguments, options = (self.value("distributions", value[part]) for part in ("arguments", "options"))
+        return found(*arguments, **options)
 
     def _files(self, value: Mapping[str, Any]) -> list[str]:
         paths = [self._found(part.strip()) for part in value["files"].split(";")]
@@ -250,8 +259,6 @@ class Decoder:
             digest = given.digest
         elif isinstance(given, Line):
             digest = digest_of_line(given)
-        elif isinstance(given, str | Path) and "file" in value:
-            digest = digest_of_file(Path(given))
         self._check(name, digest, value.get("digest", ""))
         return given
 

@@ -24,12 +24,10 @@ from bogie_braking.splitting_doubts import doubts_about
 from bogie_braking.sweeping import PAYS_FROM, check_executor
 from fmu_src.batch import Ends, run_batch
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.system import Model, System
 from products.run_history import provenance_of
 from products.study.points import outcomes_from
 from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
-from rbd_model.vehicle.description import Vehicle
 from readers.extras import named_extras
 from readers.renamed import FormerNames
 
@@ -261,7 +259,7 @@ def rare(
     arguments |= {"particles": particles, "moves": moves, "seed": seed}
     arguments |= {"values": {name: encoded_value(value) for name, value in values.items()}, "line": encoded(line)}
     arguments |= {} if interval is None else {"interval": interval}
-    provenance = provenance_of("rare", arguments, identity if isinstance(what, System | Model | Vehicle) else "")
+    provenance = provenance_of("rare", arguments, identity)
     return result_of(runs, populations, probed + climbed, moves, idle, units, provenance)
 
 

@@ -213,7 +213,7 @@ def _compared(source: str, table: Recording, found: Recording) -> str:
     for name in names:
         same = np.isclose(found[name], table[name], rtol=SAME, atol=0.0, equal_nan=True)
         if not np.all(same):
-            size = float(np.nanmax(np.abs(found[name] - table[name]), initial=0.0))
+            size = float(np.max(np.abs(found[name][~same] - table[name][~same])))  # NaN where one alone is NaN
             off.append(f"{name} by up to {size:.3g} {found.units[name]}")
     if off:
         more = f", and {len(off) - 3} more columns" if len(off) > 3 else ""

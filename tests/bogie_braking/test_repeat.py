@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import norm
+from scipy.stats import truncnorm
 
 import bogie_braking as bb
 from products.sources import sources
+from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 
 SCENE: dict[str, Any] = {"level": 1, "initial_speed": 25.0, "brake_torque_1": 20e3}
 FRICTION = 0.15 + 0.02 * np.random.default_rng(1).standard_normal(4)
@@ -62,7 +63,7 @@ def driven(folder: Path) -> bb.Recording:
 
 
 def tail(folder: Path) -> bb.Recording:
-    vary = {("friction_1", "friction_2"): norm(0.15, scale=0.02)}
+    vary = {("friction_1", "friction_2"): truncnorm(-np.inf, 4.0, 0.15, scale=0.02)}
     both = {**SCENE, "brake_torque_2": 20e3}
     return bb.rare("bogie", 60.0, "distance", 300.0, vary, particles=10, moves=1, **both).tail
 
@@ -121,12 +122,27 @@ def test_files_and_equations_must_be_those_of_the_run(tmp_path: Path) -> None:
     toml.write_text(toml.read_text() + "# changed\n")
     with pytest.raises(ValueError, match=r"own\.toml must have the content that it had in the run of"):
         bb.repeat(path)
-    toml.unlink()
+    own = toml.rename(tmp_path / "moved.toml")
     with pytest.raises(ValueError, match=r"needs the file .*own\.toml, which does not exist here"):
         bb.repeat(path)
+    own.write_text(own.read_text().removesuffix("# changed\n"))
+    assert bb.repeat(path, what=own) == bb.repeat(path, what=bb.read_vehicle(own))
+    with pytest.raises(ValueError, match=r"needs the file none\.toml, which does not exist here"):
+        bb.repeat(path, what="none.toml")
     path = bb.run(own_vehicle(), 0.1, names=["speed"], **SCENE).write(tmp_path / "own.csv")
     with pytest.raises(ValueError, match="The equations or vehicles must be those of the run"):
         bb.repeat(path, what=own_vehicle(4e3))
+
+
+@pytest.mark.parametrize("result", ["distance", "maximum(speed)"])
+def test_a_creep_law_must_be_that_of_the_run(result: str) -> None:
+    def law(share: float) -> Callable[[Any], tuple[Any, Any]]:
+        return lambda patch: tuple(share * force for force in shen_hedrick_elkins(patch))
+
+    table = bb.batch("bogie", 0.1, [result], creep_law=law(0.5), friction_1=FRICTION, **SCENE).table
+    assert bb.repeat(table, creep_law=law(0.5)) == table
+    with pytest.raises(ValueError, match="The equations or vehicles must be those of the run"):
+        bb.repeat(table, creep_law=law(0.6))
 
 
 def test_other_sources_are_refused_or_told(tmp_path: Path) -> None:
@@ -142,6 +158,8 @@ def test_a_changed_value_is_told(tmp_path: Path) -> None:
     text = path.read_text()
     path.write_text(re.sub(r"\n0\.05,([\d.]+),", lambda row: f"\n0.05,{float(row[1]) + 0.5},", text))
     assert f"Differs from {path}: speed by up to 0.5 m/s." in bb.repeat(path).messages
+    path.write_text(re.sub(r"\n0\.05,[\d.]+,", "\n0.05,,", text))
+    assert f"Differs from {path}: speed by up to nan m/s." in bb.repeat(path).messages
 
 
 @pytest.mark.parametrize(
