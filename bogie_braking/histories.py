@@ -115,11 +115,11 @@ def columns_of(variable: Variable, given: Any) -> Any:
     name = variable.name
     try:
         arrays = None if isinstance(given, np.ndarray) else named_arrays(given, name)
+        heads = heads_of(arrays or {})
     except TableError as error:
         raise refused(str(error)) from None
     if arrays is None:
         return given
-    heads = heads_of(arrays)
     others = [other for other in heads if other != "time"]
     column = name if name in heads else others[0] if len(others) == 1 else None
     if "time" not in heads or column is None:

@@ -49,6 +49,8 @@ def _with_unit(name: Any, unit: Any) -> str:
 
 def _checked(columns: Mapping[Any, Any], source: str) -> dict[str, np.ndarray]:
     """Return columns as arrays of one length. Raises TableError."""
+    if not columns:
+        raise TableError(f"{source} must have at least one column; got none.")
     found = {}
     for name, values in columns.items():
         if not isinstance(name, str):
@@ -68,20 +70,21 @@ def _checked(columns: Mapping[Any, Any], source: str) -> dict[str, np.ndarray]:
 
 
 def heads_of(arrays: Mapping[str, np.ndarray]) -> dict[str, Head]:
-    """Return name and unit of each column, by its name."""
-    return {head.name: head for head in (head_of(at, name) for at, name in enumerate(arrays))}
+    """Return name and unit of each column, by its name. Raises TableError if two have one name."""
+    heads = [head_of(at, name) for at, name in enumerate(arrays)]
+    found = {head.name: head for head in heads}
+    if twice := next((head for head in heads if found[head.name] is not head), None):
+        raise TableError(f"{twice.name} must be one column; got {twice.cell} and {found[twice.name].cell}. Leave one.")
+    return found
 
 
 def recording_of(arrays: Mapping[str, np.ndarray], units: Mapping[str, str], source: str) -> Recording:
     """Return named arrays of numbers as a table; units: by name, of columns that state none. Raises TableError."""
-    heads = {name: head_of(0, name) for name in arrays}
-    found = {head.name: head.unit or units.get(head.name, "1") for head in heads.values()}
+    found = {name: head.unit or units.get(name, "1") for name, head in heads_of(arrays).items()}
     for name, values in arrays.items():
         if values.dtype.kind not in "biuf":
             raise TableError(f"{source}: {quoted(name)} must have numbers; got {shown(values[:1])}. Leave it out.")
-    if len(found) < len(arrays):
-        raise TableError(f"{source} must have each column once; got one twice. Leave it out.")
-    return Recording(found, np.column_stack([*arrays.values()]) if arrays else [])
+    return Recording(found, np.column_stack([*arrays.values()]))
 
 
 def log_from(

@@ -80,7 +80,7 @@ class Recording(FormerNames, Mapping[str, np.ndarray]):
                 f"Rows must have {len(self.units)} values, one for each name; got an array of shape {table.shape}. "
                 "Give each column a name of its own."
             )
-        table = table.reshape(-1, len(self.units))
+        table = table if table.size else np.empty((0, len(self.units)))
         self._columns = dict(zip(self.units, table.T, strict=True))
 
     def __getitem__(self, name: str) -> np.ndarray:

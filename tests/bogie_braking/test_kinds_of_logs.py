@@ -173,6 +173,11 @@ def test_wrong_columns_are_refused_in_one_message(given: Any, sentence: str) -> 
             {"time": [0.0], "a": [1.0], "b": [2.0]},
             "must be a log with the columns time and brake_torque_1; it has time, a, b",
         ),
+        ({}, "brake_torque_1 must have at least one column; got none"),
+        (
+            {"time": [0.0], "brake_torque_1": [1.0], "brake_torque_1 [kN.m]": [1.0]},
+            r"brake_torque_1 must be one column; got brake_torque_1 and brake_torque_1 \[kN\.m\]",
+        ),
         ({"time [s]": [0.0, 1.0], "brake_torque_1 [bar]": [1.0, 2.0]}, r"must be in N\.m; got bar"),
     ],
 )

@@ -76,6 +76,10 @@ def test_a_table_of_what_varies_may_be_a_data_frame_with_units() -> None:
         assert bb.sweep("bogie", 4.0, ["distance"], vary, level=1)["distance"] == pytest.approx(
             due["distance"], rel=1e-9
         )
+    pandas = pytest.importorskip("pandas")
+    twice = {"initial_speed [m/s]": [10.0], "initial_speed [km/h]": [72.0]}
+    with pytest.raises(ValueError, match="initial_speed must be one column; got"):
+        bb.sweep("bogie", 4.0, ["distance"], pandas.DataFrame(twice), level=1)
     with pytest.raises(ValueError, match="initial_speed must be in m/s; got bar"):
         bb.sweep("bogie", 4.0, ["distance"], bb.Recording({"initial_speed": "bar"}, [[1.0]]), level=1)
 

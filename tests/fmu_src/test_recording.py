@@ -57,6 +57,7 @@ def test_recordings_are_equal_by_names_units_and_values(stop: bb.Recording) -> N
     assert first != stop
     assert first != bb.Recording(stop.units | {"speed": "km/h"}, rows)
     assert bool(bb.Recording({"time": "s"}, []))  # as a dict: it has a column
+    assert np.asarray(bb.Recording({"time": "s"}, [])).shape == np.asarray(bb.Recording({}, [])).shape == (0,)
 
 
 def test_a_notebook_shows_units_first_rows_and_escaped_messages(stop: bb.Recording, train: bb.Recording) -> None:
