@@ -26,6 +26,8 @@ FAR = 1e3
 MOST_ROWS = 1_000_000
 #: Steps of a run are at least this share of the median step of the rows, between which it is interpolated.
 SHORTEST_STEP = 0.25
+#: Inputs that outputs follow, by their names without the number of the wheelset.
+FOLLOWS, DIGITS = {"cylinder_pressure": "pressure_demand", "cylinder_pressure_": "pressure_demand_"}, "0123456789"
 
 
 def fit_run(
@@ -61,19 +63,20 @@ def fit_run(
     if "initial_speed" not in parameters:
         rows = max(2, 1 + max(first_rows(data.wanted)))
         check_units(names, simulated(np.ones_like(first), rows), data, table.units)
-    return fit_of(problem, lacking(driven, {*values, *parameters}, machine))
+    return fit_of(problem, lacking([*driven, *names], {*values, *parameters}, machine))
 
 
-def lacking(driven: Sequence[str], given: Collection[str], machine: CompiledMachine) -> list[str]:
-    """Return a warning for inputs that a log has for some wheelsets only: the others stay at their start values."""
+def lacking(measured: Sequence[str], given: Collection[str], machine: CompiledMachine) -> list[str]:
+    """Return a warning for inputs that a log lacks while others of their kind are measured, or what follows them."""
+    kinds: dict[str, str] = {}
+    for name in measured:
+        kind = name.rstrip(DIGITS)
+        kinds.setdefault(FOLLOWS.get(kind, kind), name)
+    inputs = [one for one in machine.variables.values() if one.causality == "input"]
     found = []
-    for stem in dict.fromkeys(name.rstrip("0123456789") for name in driven if name[-1].isdigit()):
-        inputs = [variable for variable in machine.variables.values() if variable.causality == "input"]
-        like = [input_ for input_ in inputs if input_.name.rstrip("0123456789") == stem]
-        left = [one for one in like if one.name not in driven and one.name not in given]
-        stays = [f"{one.name} ({one.start:g}{in_unit(one.unit)})" for one in left]
-        if stays:
-            has = next(name for name in driven if name.rstrip("0123456789") == stem)
+    for kind, has in kinds.items():
+        left = [one for one in inputs if one.name.rstrip(DIGITS) == kind and one.name not in {*measured, *given}]
+        if stays := [f"{one.name} ({one.start:g}{in_unit(one.unit)})" for one in left]:
             found.append(
                 f"The log has {has}, but it lacks {', '.join(stays)}: start values are taken. Map a column to these "
                 "too, or give their values."

@@ -354,3 +354,8 @@ def test_a_pressure_in_another_unit_is_refused(factor: float, message: str) -> N
         )
         with pytest.raises(ValueError, match=message):
             bb.fit("brake", table, {"supply_pressure": 5e5})
+    brake = bb.run("brake", 2.0, None, ["cylinder_pressure"], 0.1, pressure_demand=180e3)
+    for given in ({}, {"pressure_demand": 180e3}):
+        found = bb.fit("brake", brake, {"application_time": 0.7}, **given)
+        lacks = "The log has cylinder_pressure, but it lacks pressure_demand (350000 Pa): start values are taken."
+        assert any(one.startswith(lacks) for one in found.warnings) == (not given)
