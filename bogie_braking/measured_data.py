@@ -216,7 +216,7 @@ def check_units(names: Sequence[str], simulated: np.ndarray, data: Data, units: 
 def mismatches(
     deviations: Mapping[str, float], off: np.ndarray, wanted: np.ndarray, units: Mapping[str, str]
 ) -> list[str]:
-    """Return a sentence for each output that the run does not describe; off: simulated less measured rows."""
+    """Return a message for each output that the run does not describe; off: simulated less measured rows."""
     found = []
     for column, ((name, size), row) in enumerate(zip(deviations.items(), first_rows(wanted), strict=True)):
         values, unit = wanted[:, column], units[name]

@@ -250,7 +250,10 @@ class Decoder:
 
     def _file(self, value: Mapping[str, Any]) -> Path | DataSheet:
         path = self._found(value["file"])
-        return self._checked(str(path), read_vehicle(path) if value.get("kind") == "vehicle" else path, value)
+        if value.get("kind") == "vehicle":
+            return self._checked(str(path), read_vehicle(path), value)
+        self._check(str(path), digest_of_file(path), value["digest"])
+        return path
 
     def _checked(self, name: str, given: Any, value: Mapping[str, Any]) -> Any:
         """Return a given argument if its digest is that of the run. Raises FileError."""

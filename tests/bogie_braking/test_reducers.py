@@ -53,11 +53,11 @@ def test_statistics_of_a_sweep_are_those_of_recorded_runs(tmp_path: Path) -> Non
 
 
 def test_mean_and_maximum_are_those_of_a_closed_form() -> None:
-    """A rolling wheelset-free brake: v = v0 - a t over a time T has the mean v0 - a T / 2, the largest speed v0."""
+    """A constant deceleration: v0 - a t over a time T has the mean v0 - a T / 2, and is evenly distributed."""
     ends = bb.sweep(
         "bogie",
         4.0,
-        ["mean(speed)", "maximum(speed)", "minimum(speed)"],
+        ["mean(speed)", "maximum(speed)", "minimum(speed)", "percentile(speed, 25)"],
         {"brake_torque_1": [0.0, 5e3]},
         level=1,
         initial_speed=25.0,
@@ -67,6 +67,7 @@ def test_mean_and_maximum_are_those_of_a_closed_form() -> None:
     slowest = ends["minimum(speed)"][1]
     assert slowest < 24.9
     assert ends["mean(speed)"][1] == pytest.approx((25.0 + slowest) / 2, rel=1e-4)
+    assert ends["percentile(speed, 25)"][1] - slowest == pytest.approx((25.0 - slowest) / 4, rel=1e-2)
 
 
 def test_a_table_of_what_varies_may_be_a_data_frame_with_units() -> None:

@@ -118,10 +118,12 @@ def test_a_folder_of_a_sweep_repeats_it(tmp_path: Path) -> None:
 
 def test_files_and_equations_must_be_those_of_the_run(tmp_path: Path) -> None:
     path = sheet(tmp_path).write(tmp_path / "result.csv")
-    toml = tmp_path / "own.toml"
-    toml.write_text(toml.read_text() + "# changed\n")
-    with pytest.raises(ValueError, match=r"own\.toml must have the content that it had in the run of"):
-        bb.repeat(path)
+    toml, consist = tmp_path / "own.toml", tmp_path / "train.csv"
+    train = driven(tmp_path)
+    for file, result in ((toml, path), (consist, train)):
+        file.write_text(file.read_text() + "# changed\n")
+        with pytest.raises(ValueError, match=rf"{file.name} must have the content that it had in the run of"):
+            bb.repeat(result)
     own = toml.rename(tmp_path / "moved.toml")
     with pytest.raises(ValueError, match=r"needs the file .*own\.toml, which does not exist here"):
         bb.repeat(path)
