@@ -105,7 +105,7 @@ def _called(name: str, function: Callable[[Recording], float], run: Recording) -
     except Exception as error:
         raise ValueError(f"The function of {name} failed: {type(error).__name__}: {error}") from error
     value = number(found.item() if isinstance(found, np.ndarray) and found.ndim == 0 else found)
-    if np.isnan(value) and not isinstance(found, float):
+    if np.isnan(value) and not isinstance(found, float | np.floating):
         raise ValueError(f"The function of {name} must return a number; got {shown(found)}.")
     return value
 

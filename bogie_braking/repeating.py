@@ -158,6 +158,12 @@ def _simulated(call: Call) -> Recording:
     return found
 
 
+def _ran(call: Call) -> Recording:
+    """Return a run as a Simulation makes it, whose inputs may begin after its end."""
+    advance = {name: call.arguments.pop(name) for name in ("duration", "names", "interval") if name in call.arguments}
+    return Simulation(**call.arguments, **call.values).advance(**advance)
+
+
 def _driven(call: Call) -> Recording:
     driven, found = train(**call.arguments), None
     for name, *parts in call.steps:
@@ -197,6 +203,7 @@ def _called(function: Callable[..., Any]) -> Callable[[Call], Any]:
 #: Functions that run each public function again.
 FUNCTIONS: dict[str, Callable[[Call], Any]] = {
     **{name: _called(function) for name, function in TARGETS.items()},
+    "run": _ran,
     "Simulation": _simulated,
     "batch": _batched,
     "rare": _split,

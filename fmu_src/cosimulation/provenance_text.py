@@ -20,9 +20,12 @@ def metadata_of(provenance: Mapping[str, Any], name: str) -> dict[str, str]:
     """Return the metadata of a table, by name; each line is a comment of a CSV. name: of its file."""
     if not provenance:
         return {}
-    text, made = json_of(provenance), f"{provenance['function']} of version {provenance['version']}"
-    lines = [text[at : at + LENGTH] for at in range(0, len(text), LENGTH)]
-    return {"bogie-braking": f"{made}; repeat it by bogie_braking.repeat({name!r})", KEY: "\n".join(lines)}
+    text = json_of(provenance)
+    about = {KEY: "\n".join(text[at : at + LENGTH] for at in range(0, len(text), LENGTH))}
+    if "function" not in provenance:  # a user's own
+        return about
+    made = f"{provenance['function']} of version {provenance['version']}"
+    return {"bogie-braking": f"{made}; repeat it by bogie_braking.repeat({name!r})"} | about
 
 
 def json_of(provenance: Mapping[str, Any]) -> str:

@@ -170,3 +170,4 @@ def test_a_function_that_fails_fails_its_row() -> None:
     table = sweep(["speed"], reduce={"jerk": never, "half": lambda run: 1 / 0})
     assert np.all(np.isnan(table["speed"]))
     assert "Row 0: The function of jerk must return a number; got None." in table.messages
+    assert sweep(["speed"], reduce={"none": lambda run: np.float32(np.nan)})["speed"][0] > 0.0

@@ -40,6 +40,11 @@ def sheet(folder: Path) -> bb.Recording:
     return bb.run(bb.read_vehicle(folder / "own.toml"), 2.0, names=["distance"], level=1, initial_speed=30.0)
 
 
+def late() -> bb.Recording:
+    """Return the first second of a Simulation whose torque begins later."""
+    return bb.Simulation("bogie", **SCENE | {"brake_torque_1": ([5.0, 6.0], [2e3, 9e3])}).advance(1.0, ["speed"])
+
+
 def in_pieces() -> bb.Recording:
     """Return the last piece of a run on a line, with values set between the pieces."""
     line = bb.line_of([bb.straight(80.0), bb.arc(300.0, 500.0, 0.05, 0.004)])
@@ -77,6 +82,7 @@ RESULTS: dict[str, tuple[Callable[[Path], bb.Recording], dict[str, Any]]] = {
         lambda folder: bb.run("bogie", 1.0, **SCENE, brake_torque_2=pulled),
         {"brake_torque_2": pulled},
     ),
+    "run of a late input": (lambda folder: late(), {}),
     "Simulation": (lambda folder: in_pieces(), {}),
     "sweep": (lambda folder: bb.sweep("bogie", 60.0, ["distance"], {"friction_1": FRICTION}, **SCENE), {}),
     "batch": (lambda folder: bb.batch("bogie", 60.0, ["distance"], friction_1=FRICTION, **SCENE).table, {}),
@@ -212,4 +218,6 @@ def test_logs_and_tables_are_read_over_the_head(tmp_path: Path) -> None:
     assert np.array_equal(log["time"], stop["time"])
     bare = stop.write(tmp_path / "bare.csv", provenance=False).read_text()
     assert bare.startswith("time [s],speed [m/s]\n")
+    stop.provenance = {"source": "a test ride"}
+    assert stop.write(tmp_path / "own.csv").read_text().startswith('# provenance: {"source": "a test ride"}\n')
     assert json.dumps(stop.provenance)
