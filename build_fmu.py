@@ -1,21 +1,27 @@
 """Builds FMUs and validates them with FMPy.
 
   python build_fmu.py                    the list of FMUs
-  python build_fmu.py bogie              the bogie: native for FMI 2.0 and 3.0, and pythonfmu, into build/, with its
-                                         parameter sets (.ssv) and the systems (.ssp) that it is part of
+  python build_fmu.py bogie              the bogie into build/, with its parameter sets (.ssv) and the systems (.ssp)
+                                         that it is part of; native for FMI 2.0 and 3.0, and pythonfmu
   python build_fmu.py all                every FMU of the list
-  python build_fmu.py ssp                bogie and brake, native for FMI 2.0, and BogieBraking.ssp, which connects them
+
+  python build_fmu.py ssp                bogie, brake and BogieBraking.ssp, which connects them
   python build_fmu.py all --kind native --platforms all
                                          for FMI 2.0 on Linux (x86-64 and ARM), Windows and macOS, compiled with zig
+
   python build_fmu.py --controller pi.c --wheelsets 4
-                                         pi4.fmu: your wheel-slide controller in C, for a coach; mine.py:FixedSlip is
-                                         a class in Python
+                                         pi4.fmu: your wheel-slide controller in C, for a coach
+  python build_fmu.py --controller mine.py:FixedSlip
+                                         FixedSlip.fmu: your class in Python
+
   python build_fmu.py train --consist consist.csv --line line.csv
-                                         a train of a consist on a line; it needs no compiler where a wheel is installed
+                                         a train on a line; a wheel needs no compiler for it, only FMPy
+
   python build_fmu.py coupler --coupler draft-gear
   python build_fmu.py sensor --wheelsets 4
   python build_fmu.py curves --line line.csv
                                          supervision by ETCS, with the gradients of a line
+
   python build_fmu.py bogie --describe   no FMU: the table of its variables as Markdown
 
 Exit status: 0 all FMUs are valid; 1 one is not valid; 2 bad input; 3 one was not built; 130 interrupted with Ctrl-C.
@@ -74,9 +80,9 @@ def run(chosen: argparse.Namespace) -> int:
         return listed(chosen, unset())
     chosen.model = chosen.model or "all"
     kinds = kinds_of(chosen)
-    check_extras(chosen, kinds)
     try:
         if not chosen.describe:
+            check_extras(chosen, kinds)
             check_folder(chosen.out)
         return NOT_VALID if built(chosen, kinds) else DONE
     except ValueError as error:
@@ -159,7 +165,7 @@ def check_extras(chosen: argparse.Namespace, kinds: Sequence[str]) -> None:
     """Refuse FMUs before any work if a package that they need is missing. Raises MissingExtraError."""
     in_python = ":" in chosen.controller if chosen.controller else "python" in kinds
     from_equations = not chosen.controller and any(name in FMUS for name in names_of(chosen))
-    needed = {"fmpy": not chosen.describe, "pythonfmu": in_python and not chosen.describe, "casadi": from_equations}
+    needed = {"fmpy": True, "pythonfmu": in_python, "casadi": from_equations}
     need(*(package for package, is_needed in needed.items() if is_needed))
 
 

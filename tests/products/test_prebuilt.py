@@ -165,7 +165,7 @@ from tests.bogie_braking.ready import run_all
 
 run_all(["train", "consist", "curves"])
 print(bb.run("brake", 5.0, pressure_demand=180e3)["brake_torque"][-1])
-assert main(["doctor"]) == 0
+assert main(["doctor"]) == main(["build", "brake", "--describe"]) == 0
 for refused in (lambda: bb.run("rail", 1.0), lambda: bb.cosimulate, lambda: bb.write_fmu("brake", "brake.fmu")):
     try:
         refused()
