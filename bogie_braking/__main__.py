@@ -1,17 +1,19 @@
 """Simulate how railway bogies, vehicles and trains brake.
 
-  bogie-braking run demo                         three stops: table, data and picture
+  bogie-braking run demo                         three stops: table, data and figure
   bogie-braking consist check train.toml         masses, brakes and stops of a train
   bogie-braking controllers compare mine.py:PI   scores of a wheel-slide controller
   bogie-braking etcs train.toml --target 2000    braking curves of ETCS, and its stops
   bogie-braking vehicle check mine.toml          loads, modes, stops of your vehicle
-  bogie-braking line check mine.csv              what a line demands, and a picture
+  bogie-braking line check mine.csv              what a line demands, and a figure
   bogie-braking build bogie                      an FMU
   bogie-braking COMMAND --help                   examples and options of a command
 
-`python -m bogie_braking` is the same. Exit status: 0 all rows hold; 1 a row does not
-hold, a point of a sweep failed, or doctor misses something; 2 bad input; 3 a simulation
-or this program failed; 130 interrupted with Ctrl-C; 141 nobody reads the output.
+`python -m bogie_braking` is the same.
+
+Exit status: 0 if all rows pass. 1 if a row or a point of a sweep fails, or if doctor
+misses a part. 2: bad input. 3: a simulation or this program failed. 130: interrupted with
+Ctrl-C. 141: the reader of the output has ended.
 
 commands:
 """

@@ -24,7 +24,7 @@ from readers.command_line import CommandLine
 BELOW = place_of_a_room.removesuffix("fmu_src")
 #: Commands by name: help, and module.
 COMMANDS = {
-    "run": ("run a scenario: table, data, picture", "scenarios.commands.run"),
+    "run": ("run a scenario: table, data, figure", "scenarios.commands.run"),
     "list": ("list all scenarios", "scenarios.commands.listing"),
     "consist": ("check a train, or import it from another program", "bogie_braking.commands.consist"),
     "controllers": ("score wheel-slide controllers on the test rig", "bogie_braking.commands.controllers"),

@@ -1,4 +1,4 @@
-"""Picture of a checked vehicle: its side view with sizes, its stopping distances, its modes."""
+"""The figure of a checked vehicle: its side view with sizes, its stopping distances, its modes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ BODY = 2.6
 
 
 def picture(check: VehicleCheck) -> Figure:
-    """Return the picture of a check: the side view, and below it charts of what was computed."""
+    """Return the figure of a check: the side view, and below it charts of stops and modes if they were computed."""
     charts = [draw for draw, known in ((stops, check.distances), (modes, check.modes)) if known is not None]
     figure = plt.figure(figsize=(10.0, 7.6 if charts else 3.6))
     grid = figure.add_gridspec(1 + bool(charts), max(len(charts), 1), height_ratios=(1.0, 1.25)[: 1 + bool(charts)])

@@ -1,11 +1,11 @@
-"""Run a scenario: a table here; table, data and picture in results/NAME/.
+"""Run a scenario: print its table, write table, data and figure into results/NAME/.
 
 bogie-braking run qr30-180kpa                            one of `bogie-braking list`
 bogie-braking run bogie-lateral --html                   also report.html: charts that zoom, the motion in space
 bogie-braking run line-from-file --line mine.csv         a bogie along your line
 bogie-braking run qr30-180kpa --torque-csv measured.csv  with a measured torque
 bogie-braking run qr30-180kpa --step 0.1ms               with another macro step
-bogie-braking run levels --json | jq .rows               the summary for a program
+bogie-braking run qr30-180kpa --json | jq .rows          the summary for a program
 for name in $(bogie-braking list --quiet); do bogie-braking run $name; done
 """
 

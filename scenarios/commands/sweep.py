@@ -1,11 +1,11 @@
 """Run one scenario at every combination of the given parameters, into one table.
 
-  bogie-braking sweep levels --vary utilisation=0.5:1.3:9              nine evenly spaced values
-  bogie-braking sweep levels --vary utilisation=0.5:1.3:9 --vary level=1,2,3 --jobs 2
-                                                                             27 points in two worker processes
-  bogie-braking sweep levels --vary utilisation=0.5:1.3:9 --restart    discard the points of an earlier sweep
-  bogie-braking sweep levels --vary utilisation=0.5:1.3:9 --scheduler tcp://127.0.0.1:8786
-                                                                             on a Dask cluster
+  bogie-braking sweep anti-skid --vary friction=0.04:0.12:9              nine evenly spaced values
+  bogie-braking sweep anti-skid --vary friction=0.04:0.12:9 --vary protected=0,1 --jobs 2
+                                                                         18 points in two worker processes
+  bogie-braking sweep anti-skid --vary friction=0.04:0.12:9 --restart    discard the points of an earlier sweep
+  bogie-braking sweep anti-skid --vary friction=0.04:0.12:9 --scheduler tcp://127.0.0.1:8786
+                                                                         on a Dask cluster
 
 results/sweep-NAME/ has table.csv, table.parquet, summary.json, and journal.jsonl with each point that is done: after an
 interruption the same command continues from there. Points that failed stay in the table with their reason. A second

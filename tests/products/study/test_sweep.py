@@ -248,7 +248,7 @@ def test_help_opens_with_examples_and_names_what_can_be_varied(capsys: pytest.Ca
     with pytest.raises(SystemExit, match="0"):
         main(["sweep", "--help"])
     shown = capsys.readouterr().out
-    assert shown.index("bogie-braking sweep levels --vary") < shown.index("options:")
+    assert shown.index("bogie-braking sweep anti-skid --vary") < shown.index("options:")
     assert all(f"{name} [{unit}]" in shown for s in SCENARIOS if s.sweep for name, unit in s.sweep.parameters.items())
 
 
