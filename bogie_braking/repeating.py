@@ -26,7 +26,7 @@ from products.sources import sources_of_process
 from readers.documents import mapping_in
 from readers.text import FileError
 
-#: Relative difference below which repeated values are equal: files have ten digits.
+#: Relative difference below which repeated values are equal: other processors may change the last digits.
 SAME = 1e-9
 #: Remedies for results of other functions.
 REMEDIES = {

@@ -166,7 +166,7 @@ def irregular(
     """
     densities = spectrum if isinstance(spectrum, Spectrum) else Spectrum.named(spectrum)
     if not (isinstance(seed, Integral) and seed >= 0):
-        raise ValueError(f"seed must be a whole number from 0 on; got {seed!r}.")
+        raise ValueError(f"seed must be an integer from 0 on; got {seed!r}.")
     if not 0.0 < waves[0] < waves[1] < math.inf:
         raise ValueError(f"waves must be two lengths above 0 m, the shorter one first; got {waves!r}.")
     if not pitch * 8 <= waves[0]:

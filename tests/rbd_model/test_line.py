@@ -707,7 +707,7 @@ def test_lines_that_cannot_be_built_are_refused() -> None:
     with pytest.raises(ValueError, match="waves must be two lengths above 0 m, the shorter one first; got"):
         irregular(line_of([straight(100)]), ERRI_LOW, seed=1, waves=(3.0, math.inf))
     for seed in (-1, 1.5, None):
-        with pytest.raises(ValueError, match="seed must be a whole number from 0 on; got"):
+        with pytest.raises(ValueError, match="seed must be an integer from 0 on; got"):
             irregular(line_of([straight(100)]), ERRI_LOW, seed)  # type: ignore[arg-type]
     turning = RigidBody("frame", "frame", 1.0, (1.0, 1.0, 1.0), held=frozenset({"pitch", "lateral"}))
     held = replace(two_axle_bogie(), bodies=(replace(two_axle_bogie().bodies[0], held=turning.held),))
