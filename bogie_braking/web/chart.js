@@ -2,7 +2,7 @@
 
 // A line through points [pixels]; colour: a name of `look` or a colour.
 function stroke(context, points, colour, width, dashes = []) {
-  Object.assign(context, { strokeStyle: look[colour] ?? colour, lineWidth: width });
+  Object.assign(context, { strokeStyle: look[colour] ?? colour, lineWidth: width, lineJoin: "round" });
   context.setLineDash(dashes);
   context.beginPath();
   for (const [x, y] of points) context.lineTo(x, y);
@@ -20,15 +20,26 @@ class Axes {
   x(time) { return this.box.left + ((time - this.first) / this.span) * (this.box.right - this.box.left); }
   y(value) { return this.box.bottom - ((value - this.low) / (this.high - this.low)) * (this.box.bottom - this.box.top); }
 
-  // Rules across with their values, and times at `base` [pixels] with their unit, a step apart [s].
+  // Both axes; base [pixels], unit and step [s] of the times.
   draw(base, unit, step) {
-    const { context, box, first, span, low, high } = this;
+    this.values();
+    this.times(base, unit, step);
+  }
+
+  // Rules across with their values.
+  values() {
+    const { context, box, low, high } = this;
     Object.assign(context, { fillStyle: look.soft, textAlign: "right" });
     for (let rise = roundStep(high - low, 4), value = Math.ceil(low / rise) * rise; value <= high; value += rise) {
       stroke(context, [[box.left, this.y(value)], [box.right, this.y(value)]], "grid", 1);
       context.fillText(`${+value.toFixed(6)}`, box.left - 5, this.y(value) + 4);
     }
-    context.textAlign = "center";
+  }
+
+  // Times, or places, at `base` [pixels] with their unit, a step apart [s].
+  times(base, unit, step) {
+    const { context, box, first, span } = this;
+    Object.assign(context, { fillStyle: look.soft, textAlign: "center" });
     for (let time = Math.ceil(first / step) * step; time <= first + span; time += step) {
       context.fillText(`${+time.toFixed(6)}${unit}`, Math.min(this.x(time), box.right - 12), base);
       context.fillRect(this.x(time), base - 15, 1, 4);

@@ -237,3 +237,21 @@ def laid(groups: Mapping[str, Rows]) -> NDArray[np.float64]:
         return np.ravel(np.asarray(values, float))
 
     return np.concatenate([column(groups[one.name], field.name) for one in layout() for field in one.fields])
+
+
+@dataclass(frozen=True)
+class Equipment:
+    """Equipment of a vehicle: its name in messages, its group, and its fields; one is above 0 if the vehicle has it."""
+
+    text: str
+    group: str
+    fields: tuple[str, ...]
+
+
+#: Equipment by the name of the input that has no effect on vehicles without it.
+EQUIPMENT = {
+    "traction": Equipment("motors", "traction", ("traction_force",)),
+    "dynamic_brake": Equipment("an electric brake", "electric", ("dynamic_force",)),
+    "track_brake": Equipment("track brakes", "track", ("magnetic_attraction", "eddy_force")),
+    "parking_brake": Equipment("a parking brake", "parking", ("parking_force",)),
+}

@@ -17,7 +17,7 @@ from fmu_src.cosimulation.recording import Recording
 from products.run_history import RunHistory
 from products.train.consist import Consist
 from products.train.inputs import Inputs, wrong_input
-from products.train.layout import INITIAL, INPUTS, OUTPUTS, START_PIPE_PRESSURE, SUMS, Array
+from products.train.layout import EQUIPMENT, INITIAL, INPUTS, OUTPUTS, START_PIPE_PRESSURE, SUMS, Array
 from products.train.library import functions
 from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.pipe import PipeAir
@@ -58,13 +58,19 @@ def _place(name: str, value: int, count: int) -> None:
         raise ValueError(f"The number of a {name} must be an integer from 0 to {count - 1}; got {value}.")
 
 
+def has_equipment(consist: Consist, name: str) -> bool:
+    """Return whether a vehicle has the equipment that an input needs."""
+    one = EQUIPMENT[name]
+    return any(
+        getattr(getattr(vehicle, one.group), field) > 0.0 for vehicle in consist.vehicles for field in one.fields
+    )
+
+
 def _recorded_of(consist: Consist) -> list[Array]:
     """Return the outputs that are recorded of a consist."""
-    vehicles = consist.vehicles
-    heats = any(vehicle.heat.heat_capacity > 0.0 for vehicle in vehicles)
-    pulls = any(one.traction.traction_force > 0.0 for one in vehicles)
-    drives = pulls or any(one.electric.dynamic_force > 0.0 for one in vehicles)
-    tracks = any(one.track.magnetic_attraction + one.track.eddy_force > 0.0 for one in vehicles)
+    heats = any(vehicle.heat.heat_capacity > 0.0 for vehicle in consist.vehicles)
+    pulls, tracks = has_equipment(consist, "traction"), has_equipment(consist, "track_brake")
+    drives = pulls or has_equipment(consist, "dynamic_brake")
     kept = {OF_HEAT: heats, OF_TRACTION: pulls, OF_DRIVES: drives, OF_TRACK: tracks}
     left_out = {name for names, is_kept in kept.items() if not is_kept for name in names}
     return [one for one in RECORDED if one.name not in left_out]
@@ -72,17 +78,7 @@ def _recorded_of(consist: Consist) -> list[Array]:
 
 def idle_inputs(consist: Consist) -> dict[str, str]:
     """Return the inputs that no vehicle of a consist uses, and what it lacks."""
-    vehicles = consist.vehicles
-    uses = {
-        "traction": ("motors", any(vehicle.traction.traction_force > 0.0 for vehicle in vehicles)),
-        "dynamic_brake": ("an electric brake", any(one.electric.dynamic_force > 0.0 for one in vehicles)),
-        "track_brake": (
-            "track brakes",
-            any(one.track.magnetic_attraction + one.track.eddy_force > 0.0 for one in vehicles),
-        ),
-        "parking_brake": ("a parking brake", any(one.parking.parking_force > 0.0 for one in vehicles)),
-    }
-    return {name: lacks for name, (lacks, is_used) in uses.items() if not is_used}
+    return {name: one.text for name, one in EQUIPMENT.items() if not has_equipment(consist, name)}
 
 
 class Train:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import re
@@ -10,9 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from bogie_braking.live.train_page import PAGE, PRESETS, TRAINS, write_train_page
+from bogie_braking.live.carried_train import carried_from
+from bogie_braking.live.train_page import HILL, PAGE, PRESETS, trains, write_train_page
+from fmu_src.arrays_fmu import build_arrays_fmu
 from products.train.consist import block_train
-from products.train.numbers import Settings
+from products.train.fmu import train_of_files_fmu
+from products.train.numbers import Settings, numbers_of
 from products.train.train import Train
 from tests.bogie_braking.axe import violations
 from tests.bogie_braking.browser import Browser, Page, browser
@@ -37,9 +41,37 @@ async function stopped(link) {
 """
 
 
+#: A user's train with all controls, and a line with a descent.
+CONSIST = """kind,name,count,load,traction_force,traction_power,dynamic_force,eddy_force,parking_force
+locomotive,Ae 6/6,1,,300,5600,150,,60
+coach,"A <b> '4'",3,,,,,40,
+wagon,Eaos,7,60,,,,,
+"""
+LINE = "distance,curvature,cant,gradient\n0,0,0,0\n300,0,0,0\n400,0,0,-0.02\n3000,0,0,-0.02\n"
+#: Actions of a link: steps, inputs, values [%]; the driver's valve.
+ACTIONS = ((0, "traction", 60), (300, "traction", 0), (300, "dynamic_brake", 80), (500, "track_brake", 100))
+ENDS = 900
+#: Vehicles with the equipment of an input: 1, others 0.
+HAVE = {name: [1.0] + [0.0] * 10 for name in ("traction", "dynamic_brake")}
+HAVE["track_brake"] = [0.0] + [1.0] * 3 + [0.0] * 7
+#: Relative difference of browser and Python: none with equal mathematical libraries.
+ALIKE = 1e-12
+#: Least speed relative to real time of 101 vehicles in a browser on a busy computer; alone it is 150.
+LEAST_PACE = 5.0
+
+
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_train_page(tmp_path_factory.mktemp("train") / PAGE)
+
+
+@pytest.fixture(scope="module")
+def user_files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    folder = tmp_path_factory.mktemp("own")
+    consist, line = folder / "freight.csv", folder / "valley.csv"
+    consist.write_text(CONSIST)
+    line.write_text(LINE)
+    return consist, line
 
 
 @pytest.fixture(scope="module", params=SIZES, ids=str)
@@ -73,7 +105,7 @@ def test_brake_and_pictures_are_on_the_first_screen(page: Page) -> None:
 @pytest.mark.study
 def test_an_emergency_on_the_page_is_that_of_python(page: Page) -> None:
     begin(page)
-    page.evaluate("document.querySelector('#valve button:nth-child(5)').click()")
+    page.evaluate("document.querySelector('#valve button:last-child').click()")
     page.evaluate("for (let n = 0; n < 250; n += 1) live.train.step()")
     train = Train(block_train(40), speed=100 / 3.6, settings=Settings())
     train.drive("emergency")
@@ -125,7 +157,7 @@ def test_the_space_bar_brakes_and_releases(page: Page) -> None:
 
 
 def test_every_button_and_every_train_runs(page: Page) -> None:
-    for name in TRAINS:
+    for name in trains():
         begin(page, f"#train={name}")
         assert page.evaluate("live.consist") == name
         for valve in range(1, 7):
@@ -144,6 +176,117 @@ def test_a_link_that_is_no_text_leaves_a_train_that_brakes(page: Page) -> None:
     begin(page, "#%E0%A4%A")
     assert "left out" in page.evaluate("at('result').textContent")
     assert page.evaluate("pressBrake(), live.train.valve") == "full service"
+
+
+def driven(page: Page, steps: int = ENDS) -> list[float]:
+    """Return speed and pressures after the actions, exactly as JavaScript has them."""
+    page.evaluate(f"for (let n = live.train.steps; n < {steps}; n += 1) live.train.step()")
+    return [
+        float(one) for one in page.evaluate("[...live.train.output('speed'), ...live.train.output('pipe_pressure')]")
+    ]
+
+
+def test_a_users_train_on_a_line_runs_as_in_python_and_from_its_link(
+    browser: Browser, file: Path, user_files: tuple[Path, Path], tmp_path: Path
+) -> None:
+    own = carried_from(*user_files)
+    done = ",".join(f"{step}:{name}:{value}" for step, name, value in ACTIONS)
+    page = browser.open(
+        write_train_page(tmp_path / PAGE, own), *SIZES[0], link=f"#speed=30&place=250&do={done},600:first step"
+    )
+    page.evaluate("live.ready.then(() => { live.running = false })")
+    found = driven(page)
+    assert page.evaluate("[live.consist, live.train.consist.nameOf(1), live.train.consist.nameOf(10)]") == [
+        *("freight on valley", "A <b> '4'", "Eaos")
+    ]
+    train = Train(own.consist, speed=30 / 3.6, distance=250.0, line=own.line, settings=Settings())
+    for step in range(ENDS):
+        for at, name, value in ACTIONS:
+            if at == step:
+                train.inputs[name] = [value / 100 * has for has in HAVE[name]]
+        if step == 600:
+            train.drive("service", 0.0)
+        train.advance(STEP)
+    python = [*train.speed, *(train.pipe_pressure + 101325.0)]
+    assert found == pytest.approx([float(one) for one in python], rel=ALIKE)
+    assert float(page.evaluate("live.train.consist.gradientAt(live.train.front)")) == pytest.approx(-0.02)
+    page.evaluate("showLink()")
+    link = page.evaluate("location.hash")
+    page.close()
+    other = browser.open(file, *SIZES[1], link=link)
+    other.evaluate("live.ready.then(() => { live.running = false })")
+    assert driven(other) == found
+    assert other.evaluate("live.consist") == own.name
+    assert other.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    other.close()
+    assert page.errors + other.errors == []
+
+
+def drop(page: Page, path: Path) -> str:
+    """Drop a file on the page; return the message."""
+    content = base64.b64encode(path.read_bytes()).decode()
+    page.evaluate(
+        f"openFile(new File([Uint8Array.from(atob('{content}'), (one) => one.charCodeAt(0))], '{path.name}'))"
+        ".then(() => { live.running = false })"
+    )
+    return str(page.evaluate("at('result').textContent"))
+
+
+def test_a_trains_fmu_is_opened_and_other_files_say_what_to_do(
+    page: Page, user_files: tuple[Path, Path], tmp_path: Path
+) -> None:
+    consist, line = user_files
+    fmu = tmp_path / "TrainDynamics.fmu"
+    build_arrays_fmu(train_of_files_fmu(consist, line), fmu, 3, {})
+    begin(page)
+    assert f"live --consist {consist.name}" in drop(page, consist)
+    bad = tmp_path / "bad.fmu"
+    bad.write_bytes(fmu.read_bytes()[:9000])
+    assert "cannot be opened" in drop(page, bad)
+    assert page.evaluate("live.consist") == "40 wagons, P"
+    drop(page, fmu)
+    own = carried_from(consist, line)
+    numbers = "[...live.train.consist.numbers]"
+    assert page.evaluate(numbers) == numbers_of(own.consist, Settings(), own.line).tolist()
+    page.evaluate("act('traction', 50), driven = live.train, showLink()")
+    link = page.evaluate("location.hash")
+    assert page.evaluate(f"openLink({json.dumps(link)}).then(() => live.train.plan)") == [[0, "traction", 50]]
+    assert page.evaluate("live.train.consist.vehicles") == len(own.consist.vehicles)
+
+
+@pytest.mark.parametrize("data", ["AAAA", "eJwDAAAAAAE", ""])
+def test_a_link_with_a_damaged_train_leaves_one_that_runs(page: Page, data: str) -> None:
+    begin(page, f"#data={data}&do=0:emergency")
+    assert "cannot be read" in page.evaluate("at('result').textContent")
+    page.evaluate("live.train.step()")
+
+
+def test_keys_move_the_controls_that_a_train_has(page: Page) -> None:
+    begin(page, f"#train={HILL}&speed=0")
+    for code in ("Quote", "KeyD", "KeyD", "Period", "KeyM", "Backspace", "Semicolon"):
+        page.evaluate(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{code: '{code}', bubbles: true}}))")
+    assert page.evaluate("[live.train.valve, live.train.levers]") == [
+        "full service",
+        {"traction": 20, "dynamic_brake": 10, "parking_brake": 0},
+    ]
+    assert page.evaluate("at('lever-traction').value") == "20"
+    begin(page)
+    assert page.evaluate("at('levers').children.length") == 0
+
+
+def test_a_train_that_has_stopped_goes_on_once_it_is_released(page: Page) -> None:
+    begin(page, f"#train={HILL}&speed=10&place=2500&do=0:emergency")
+    page.evaluate("while (!live.train.ended) live.train.step(); advance(0)")
+    assert "The head stopped" in page.evaluate("at('result').textContent")
+    page.evaluate("act('running'); for (let n = 0; n < 5000; n += 1) live.train.step(); show()")
+    assert page.evaluate("live.train.speed") > 1.0
+    assert page.evaluate("live.train.ended") is False
+
+
+def test_a_hundred_wagons_run_faster_than_real_time(page: Page) -> None:
+    begin(page, "#train=100 wagons, G&do=0:full service")
+    run = "begun = performance.now(); for (let n = 0; n < 500; n += 1) live.train.step(); performance.now() - begun"
+    assert 500 * STEP / (float(page.evaluate(run)) / 1e3) > LEAST_PACE
 
 
 def test_each_page_leads_to_the_other(page: Page) -> None:

@@ -97,3 +97,19 @@ function tellEnd(sentence, distance, before, settings) {
 function asBefore(history, begun, distance, settings) {
   return { history, begun, distance, settings, words: `run before: ${distance.toFixed(1)} m` };
 }
+
+// Returns whether a control of the page accepts this value.
+function takes(name, value = "") {
+  const control = at(name);
+  if (value === "" && control.dataset.empty) return true; // a value of the model's own
+  if (control.tagName === "SELECT") return [...control.options].some((option) => option.value === value);
+  if (control.type === "checkbox") return value === "0" || value === "1";
+  const number = Number(value);
+  return value.trim() !== "" && number >= Number(control.min) && number <= Number(control.max);
+}
+
+function taken(name) {
+  const control = at(name);
+  if (control.tagName === "SELECT") return [...control.options].map((option) => option.value).join(", ");
+  return control.type === "checkbox" ? "0 or 1" : `${control.min} to ${control.max}`;
+}

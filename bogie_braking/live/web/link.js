@@ -28,22 +28,6 @@ function readPlan(text, messages) {
   return plan.sort(([a], [b]) => a - b);
 }
 
-// Returns whether a control of the page accepts this value.
-function takes(name, value = "") {
-  const control = at(name);
-  if (name === "mass" && value === "") return true; // the vehicle's own
-  if (control.tagName === "SELECT") return [...control.options].some((option) => option.value === value);
-  if (control.type === "checkbox") return value === "0" || value === "1";
-  const number = Number(value);
-  return value.trim() !== "" && number >= Number(control.min) && number <= Number(control.max);
-}
-
-function taken(name) {
-  const control = at(name);
-  if (control.tagName === "SELECT") return [...control.options].map((option) => option.value).join(", ");
-  return control.type === "checkbox" ? "0 or 1" : `${control.min} to ${control.max}`;
-}
-
 // A control's value in the unit of the simulation.
 function inside(name, value) {
   if (name === "protection") return value === true || value === "1";

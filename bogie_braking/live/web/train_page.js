@@ -1,20 +1,32 @@
-// The page itself: controls, frames, and the final message.
+// The page itself: the train that it carries, frames, and the final message.
 
-const live = Object.assign(new Player(["go on", "pause"], advance), { module: null, before: null, turn: 0 });
+const CHART_FRAMES = 4; // plots over time and place are drawn once in this many frames
+const LONGEST_LINK = 8000; // letters that mail programs keep
+
+const live = Object.assign(new Player(["go on", "pause"], advance), { module: null, before: null, turn: 0, frames: 0, opened: null });
 const line = { label: "train", colour: "ink", heavy: true, value: (point) => point.speed };
 const chart = new Chart(at("chart-speed"), "speed of the head [km/h]", [line], [0, 10]);
+const plots = [new PressureView(at("chart-pipe"), "brake pipe [bar] over time, by vehicle", "pipe", 5.5e5),
+  new PressureView(at("chart-cylinder"), "brake cylinders [bar] over time, by vehicle", "cylinder", 4.5e5)];
+const places = new PlaceView(at("chart-place"));
+const desk = new TrainDesk(act);
+const SETTINGS = ["train", "speed", "place"];
 
+// Begins a run of the chosen train; one that cannot be made leaves the present run, with a message.
 async function start(plan = []) {
-  const turn = (live.turn += 1);
+  const turn = (live.turn += 1), settings = Object.fromEntries(SETTINGS.map((name) => [name, at(name).value]));
   live.module ??= await WebAssembly.compile(await unpacked(DATA.module));
-  const consist = at("train").value, numbers = new Float64Array(await unpacked(DATA.consists[consist]));
-  const train = await Train.create(live.module, numbers);
+  const consist = live.opened?.name === settings.train ? live.opened : await Consist.from(DATA.consists[settings.train]);
+  const train = await Train.create(live.module, consist);
   if (turn !== live.turn) return;
   keepBefore();
-  train.begin(Number(at("speed").value) / 3.6, plan);
-  Object.assign(live, { train, consist, settings: { train: consist, speed: at("speed").value }, left: 0, told: false, doing: "" });
+  const known = plan.filter(([, name]) => name in VALVE || name in train.controls || (name === "part" && train.vehicles > 1));
+  train.begin(Number(settings.speed) / 3.6, Number(settings.place), known);
+  Object.assign(live, { train, consist: consist.name, settings, left: 0, told: false, doing: "" });
+  desk.begin(train);
   live.play();
   show();
+  return plan.filter((one) => !known.includes(one));
 }
 
 function keepBefore() {
@@ -22,39 +34,66 @@ function keepBefore() {
   if (train?.stopped) live.before = asBefore(train.history, train.begun.time, train.stopped.distance - train.begun.distance, live.settings);
 }
 
-function act(name) {
+// A control moves. A train that has stopped goes on once its brakes are released.
+function act(name, value) {
   if (!live.train) return;
-  live.train.act(name);
+  live.train.act(name, value);
+  if (!live.train.ended) live.told = false;
   show();
 }
 
 // The large button, and the space bar: full service, release, a new run.
 function pressBrake() {
-  if (!live.train) return;
-  if (live.train.ended) start();
-  else act(live.train.valve === "running" ? "full service" : "running");
+  const { train } = live;
+  if (!train) return;
+  if (train.ended) return void restart();
+  if (train.valve !== "running") return act("running");
+  if (train.levers.traction) act("traction", 0);
+  act("full service");
 }
 
-function show() {
-  const { train, before } = live, brakes = train.valve !== "running" && train.valve !== "overcharge";
+const restart = () => start().catch((error) => tell(error.message));
+
+function tell(message) {
+  at("result").textContent = message;
+}
+
+function show(all = true) {
+  const { train, before } = live, applied = !RELEASED.includes(train.valve), { begun } = train;
   drawTrain(at("train-view"), train);
-  chart.draw(train.history, before && train.begun ? { ...before, shift: train.begun.time - before.begun } : null);
-  for (const button of at("valve").children) button.setAttribute("aria-pressed", String(button.textContent === train.valve));
-  at("brake-word").textContent = train.ended ? "New run" : brakes ? "Release" : "Brake";
-  at("brake").setAttribute("aria-pressed", String(!train.ended && brakes));
-  const { begun } = train;
-  const since = begun && `, ${(train.distance - begun.distance).toFixed(0)} m and ${(train.time - begun.time).toFixed(1)} s since braking`;
+  if (all) {
+    chart.draw(train.history, before && begun ? { ...before, shift: begun.time - before.begun } : null);
+    for (const plot of plots) plot.draw(train.history);
+    places.draw(train);
+  }
+  desk.show();
+  at("brake-word").textContent = train.ended ? "New run" : applied ? "Release" : "Brake";
+  at("brake").setAttribute("aria-pressed", String(!train.ended && applied));
+  const since = begun && `, ${Math.abs(train.distance - begun.distance).toFixed(0)} m and ${(train.time - begun.time).toFixed(1)} s since braking`;
   at("state").textContent = `${inKmh(train.speed)}${since ?? ""}`;
-  for (const button of document.querySelectorAll("#valve button, #part")) button.disabled = train.ended;
-  at("part").disabled ||= train.parted;
-  if (!train.ended) showDoing(brakes);
+  at("gauges").textContent = gauges(train);
+  at("part").disabled = train.ended || train.parted || train.vehicles < 2;
+  if (!train.ended) showDoing();
+}
+
+// The driver's instruments: pressures at the head, forces of the drives, place, gradient, limit.
+function gauges(train) {
+  const bar = (name) => `${(train.pressure(name)[0] / 1e5).toFixed(1)} bar`, { consist, front, controls } = train;
+  const parts = [`pipe ${bar("pipe_pressure")}`, `cylinders ${bar("cylinder_pressure")}`];
+  if (DATA.outputs.includes("main_reservoir_pressure")) parts.push(`main reservoir ${bar("main_reservoir_pressure")}`);
+  if (controls.traction) parts.push(`motors ${(train.output("traction_force").reduce((a, b) => a + b, 0) / 1e3).toFixed(0)} kN`);
+  const limit = consist.limitBetween(train.rear, front);
+  parts.push(`${front.toFixed(0)} m`, `${(1e3 * consist.gradientAt(front)).toFixed(1)} ‰`);
+  if (limit !== null) parts.push(`limit ${(3.6 * limit).toFixed(0)} km/h${Math.abs(train.speed) > limit + 0.1 ? ": too fast" : ""}`);
+  return parts.join(" · ");
 }
 
 // Shows a message on the present motion, until the final one.
-function showDoing(brakes) {
+function showDoing() {
   const { train } = live, stands = Math.abs(train.speed) < RESTS, parted = train.parted ? " It has parted in the middle." : "";
-  const doing = (stands ? "It stands." : brakes || train.parted ? "It brakes." : train.plan.length ? "It rolls." : "It rolls. Press Brake.") + parted;
-  if (doing !== live.doing) at("result").textContent = doing; // once, for screen readers
+  const drives = train.levers.traction > 0, moves = drives ? "It drives." : train.plan.length ? "It rolls." : "It rolls. Press Brake.";
+  const doing = (stands ? "It stands." : train.brakes ? "It brakes." : moves) + parted;
+  if (doing !== live.doing) tell(doing); // once, for screen readers
   live.doing = doing;
 }
 
@@ -62,43 +101,92 @@ function advance(time) {
   if (live.told) return;
   live.left += time;
   for (; live.left > 0.5 * STEP && !live.train.ended; live.left -= STEP) live.train.step();
-  show();
+  live.frames += 1;
+  show(live.train.ended || live.frames % CHART_FRAMES === 0);
   if (live.train.ended) finish();
 }
 
 function finish() {
   const { train, before } = live;
-  live.told = true;
+  Object.assign(live, { told: true, doing: "" });
   tellEnd(train.sentence(), train.stopped && train.stopped.distance - train.begun.distance, before, live.settings);
   showLink();
 }
 
+// The address of the run; one of a user's train has its numbers.
 function showLink() {
-  if (!live.train) return;
-  const words = new URLSearchParams({ train: live.consist, speed: at("speed").value });
-  words.set("do", live.train.done.map((one) => one.join(":")).join(","));
-  history.replaceState(null, "", `#${decodeURIComponent(words.toString().replaceAll("+", "%20"))}`);
+  const { train, settings } = live;
+  if (!train) return;
+  const own = settings.train === DATA.own || settings.train === live.opened?.name, words = new URLSearchParams();
+  if (own) words.set("data", inLink(train.consist.text));
+  else words.set("train", settings.train);
+  words.set("speed", settings.speed);
+  if (settings.place !== "0") words.set("place", settings.place);
+  words.set("do", train.done.map((one) => one.join(":")).join(","));
+  const link = `#${decodeURIComponent(words.toString().replaceAll("+", "%20"))}`;
+  history.replaceState(null, "", link);
+  return link;
+}
+
+function copied() {
+  const link = showLink();
+  if (link?.length > LONGEST_LINK) tell(`The link has ${link.length} letters, too many for some mail programs. Send this page instead if it carries the train.`);
 }
 
 // Plays the run of an address; its invalid parts are reported.
-function openLink(hash) {
+async function openLink(hash) {
   const refused = [];
-  let plan = [];
+  let plan = [], message = "";
   at("train").selectedIndex = 0;
-  at("speed").value = "100";
+  Object.assign(at("speed"), { value: "100" });
+  Object.assign(at("place"), { value: "0" });
   for (const [name, value] of new URLSearchParams(hash.slice(1))) {
     if (name === "do") {
       const done = value.split(",").filter(Boolean).map((one) => one.split(":"));
-      const known = ([step, what]) => /^\d{1,6}$/.test(step) && (what in VALVE || what === "part");
-      plan = done.filter(known).map(([step, what]) => [Number(step), what]).sort(([a], [b]) => a - b);
-      refused.push(...done.filter((one) => !known(one)).map((one) => one.join(":")));
-    } else if ((name === "train" || name === "speed") && [...at(name).options].some((option) => option.value === value)) at(name).value = value;
+      plan = done.filter(isAction).map(([step, what, much]) => [Number(step), what, ...(isControl(what) ? [Number(much)] : [])]).sort(([a], [b]) => a - b);
+      refused.push(...done.filter((one) => !isAction(one)).map((one) => one.join(":")));
+    } else if (name === "data") message = await Consist.from(fromLink(value)).then(add, (error) => `The link has a train that cannot be read. ${error.message}`);
+    else if (SETTINGS.includes(name) && takes(name, value)) at(name).value = value;
     else refused.push(`${name}=${value}`);
   }
   markRun(hash);
-  return start(plan).then(() => {
-    if (refused.length) at("result").textContent = `The link has ${refused.join(" and ")}, which this page does not know; it is left out.`;
-  });
+  try {
+    refused.push(...((await start(plan)) ?? []).map((one) => one.join(":")));
+  } catch (error) {
+    message ||= error.message;
+  }
+  if (refused.length) tell(`The link has ${refused.join(" and ")}, which this page does not know; it is left out.`);
+  else if (message) tell(message);
+}
+
+const isControl = (name) => name in DATA.controls || name in DATA.equipment;
+
+// Returns whether words are an action: a step and a notch, or a step, a control and its value [%].
+function isAction([step, what, much]) {
+  return /^\d{1,6}$/.test(step) && (what in VALVE || what === "part" || (isControl(what) && /^\d{1,3}$/.test(much) && Number(much) <= 100));
+}
+
+// Adds a train of a file or of a link to the choice, and chooses it.
+function add(consist) {
+  while (consist.name in DATA.consists && DATA.consists[consist.name] !== consist.text) consist.name += " (opened)";
+  live.opened = consist;
+  if (![...at("train").options].some(({ value }) => value === consist.name)) at("train").append(new Option(consist.name, consist.name));
+  at("train").value = consist.name;
+  return "";
+}
+
+async function openFile(file) {
+  const before = at("train").value;
+  try {
+    const consist = await consistOfFile(file);
+    await consist.asText();
+    add(consist);
+    await start();
+  } catch (error) {
+    at("train").value = before;
+    tell(`${file.name} cannot be opened. ${error.message}`);
+    live.stop();
+  }
 }
 
 function listRuns() {
@@ -109,24 +197,41 @@ function listRuns() {
 
 // The history as rows of a table, the first with the heads.
 function table() {
+  const { history, vehicles } = live.train, numbers = Array.from({ length: vehicles }, (_, i) => i + 1);
+  const each = { pipe: "pipe pressure # [Pa]", cylinder: "cylinder pressure # [Pa]", force: "coupler force # [N]" };
   const heads = ["time [s]", "distance of the head [m]", "speed of the head [km/h]"];
-  return [heads, ...live.train.history.map(({ time, distance, speed }) => [time, distance, speed])];
+  for (const [name, text] of Object.entries(each)) heads.push(...numbers.slice(0, history[0][name].length).map((number) => text.replace("#", number)));
+  return [heads, ...history.map((point) => [point.time, point.distance, point.speed, ...Object.keys(each).flatMap((name) => [...point[name]])])];
+}
+
+function listenToFiles() {
+  at("file").addEventListener("change", () => at("file").files[0] && openFile(at("file").files[0]));
+  addEventListener("dragover", (event) => event.preventDefault());
+  addEventListener("drop", (event) => {
+    event.preventDefault();
+    if (event.dataTransfer.files[0]) openFile(event.dataTransfer.files[0]);
+  });
+}
+
+// Begins a run with other settings; an invalid number is replaced by the previous one.
+function startWith(name) {
+  if (takes(name, at(name).value)) return void restart();
+  const typed = at(name).value || "no number";
+  at(name).value = live.settings[name];
+  tell(`${name} must be ${taken(name)}; got ${typed}. It stays as it was.`);
 }
 
 function listen() {
-  for (const name of Object.keys(VALVE)) {
-    const button = Object.assign(document.createElement("button"), { type: "button", textContent: name });
-    button.addEventListener("click", () => act(name));
-    at("valve").append(button);
-  }
   for (const name of Object.keys(DATA.consists)) at("train").append(new Option(name, name));
-  for (const name of ["train", "speed"]) at(name).addEventListener("change", () => start());
+  for (const name of SETTINGS) at(name).addEventListener("change", () => startWith(name));
   at("part").addEventListener("click", () => act("part"));
   const redraw = () => live.train && show();
-  onDesk({ press: pressBrake, restart: start, openLink, showLink, redraw, file: ["train.csv", table] });
+  onDesk({ press: pressBrake, restart, openLink, showLink: copied, redraw, file: ["train.csv", table] });
+  listenToFiles();
 }
 
 listen();
 listRuns();
-at("about").textContent = `bogie-braking ${DATA.version}; wagons of 80 t, screw couplers, two cells of the pipe a vehicle.`;
+if (innerWidth >= 900) at("own").open = true;
+at("about").textContent = `bogie-braking ${DATA.version}; block trains: wagons of 80 t, screw couplers; two cells of the pipe a vehicle.`;
 live.ready = openLink(location.hash);

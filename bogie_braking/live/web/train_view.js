@@ -1,12 +1,13 @@
 // The train, and below it rows of bars: pressure of the pipe, of the cylinders, forces of the couplers. The head is on the right.
 
-const PIPE = 5e5, CYLINDER = 3.8e5, COUPLER = 4e5; // full bars [Pa], [N]
+const PIPE = 5.5e5, CYLINDER = 4.5e5, COUPLER = 4e5; // full bars [Pa], [N]; that of couplers grows with the forces
 
-// The vehicles themselves above their bars, the head another colour; x: left end of the vehicle with a number.
-function drawWagons(context, n, x, wide) {
+// The vehicles themselves above their bars, the head and those with motors in another colour; x: left end of the vehicle with a number.
+function drawWagons(context, n, x, wide, powered) {
   for (let i = 0; i < n; i += 1) {
-    context.fillStyle = i === 0 ? look.signal : look.frame;
-    context.fillRect(x(i), i === 0 ? 4 : 7, wide, i === 0 ? 11 : 8);
+    const head = i === 0 || powered.includes(i);
+    context.fillStyle = head ? look.signal : look.frame;
+    context.fillRect(x(i), head ? 4 : 7, wide, head ? 11 : 8);
     context.fillStyle = look.ink;
     for (const share of [0.25, 0.75]) context.fillRect(x(i) + share * wide - 1, 15, 2, 3);
   }
@@ -31,11 +32,19 @@ function drawTrain(canvas, train) {
     context.fillStyle = look.edge;
     context.fillRect(box.left, ground, box.right - box.left, 1);
   };
-  drawWagons(context, n, x, wide);
-  const over = (name) => [...train.output(name)].map((pressure) => pressure - AROUND);
-  row(0, "brake pipe [bar], the head on the right", over("pipe_pressure"), 1.1 * PIPE, () => look.pipe, [[0, "0"], [1 / 1.1, "5"]]);
-  row(1, "brake cylinders [bar]", over("cylinder_pressure"), 1.1 * CYLINDER, () => look.signal, [[0, "0"], [1 / 1.1, "3.8"]]);
-  const marks = [[0, "0"], [1, "+400"], [-1, "-400"]];
-  row(2, "coupler forces [kN], pushed below 0", [...train.output("coupler_force")], COUPLER,
+  drawWagons(context, n, x, wide, train.controls.traction ?? []);
+  row(0, "brake pipe [bar], the head on the right", train.pressure("pipe_pressure"), PIPE, () => look.pipe, [[0, "0"], [5e5 / PIPE, "5"]]);
+  row(1, "brake cylinders [bar]", train.pressure("cylinder_pressure"), CYLINDER, () => look.signal, [[0, "0"], [3.8e5 / CYLINDER, "3.8"]]);
+  const most = Math.max(COUPLER, 1e5 * Math.ceil(Math.max(0, ...train.pushed, ...train.pulled) / 1e5)), kilo = most / 1e3;
+  const marks = [[0, "0"], [1, `+${kilo}`], [-1, `-${kilo}`]];
+  row(2, "coupler forces [kN], pushed below 0", [...train.output("coupler_force")], most,
     (force) => (force < 0 ? look.leaf : look.pipe), marks, 0.5, wide / 2);
+  drawExtremes(context, train, x, wide, { ground: height - size / 2 - 8, tall: size / 2, most });
+}
+
+// Largest tension and compression of each coupling since the brake application, as marks beside its bar.
+function drawExtremes(context, { pulled, pushed }, x, wide, { ground, tall, most }) {
+  context.fillStyle = look.ink;
+  for (const [forces, sign] of [[pulled, -1], [pushed, 1]])
+    forces.forEach((force, i) => force > 0.01 * most && context.fillRect(x(i) - wide / 2, ground + (sign * force * tall) / most - 1, wide, 2));
 }

@@ -1,0 +1,75 @@
+// The desk of a train: the handle of the driver's valve by its notches, a lever for each control that the train has, keys.
+
+const WORDS = { traction: "traction", dynamic_brake: "dynamic brake", bail_off: "bail off" };
+const controlWord = (name) => WORDS[name] ?? name.replaceAll("_", " ");
+const NOTCH = 10; // of a lever's key [%]
+
+class TrainDesk {
+  // act: called with a notch, or with a control and its value [%].
+  constructor(act) {
+    this.act = act;
+    this.handle();
+    addEventListener("keydown", (event) => this.key(event));
+  }
+
+  handle() {
+    const [less, more] = DATA.valveKeys[2].split(" ");
+    at("valve-keys").innerHTML = `<kbd>${less}</kbd> <kbd>${more}</kbd> <kbd>backspace</kbd>`;
+    at("valve-keys").title = "towards release, towards emergency, emergency: keys by their places on a US keyboard";
+    for (const name of Object.keys(VALVE)) {
+      const button = Object.assign(document.createElement("button"), { type: "button", textContent: name });
+      button.addEventListener("click", () => this.act(name));
+      at("valve").append(button);
+    }
+  }
+
+  // The levers of a train; those that it lacks are left out.
+  begin(train) {
+    this.train = train;
+    at("levers").replaceChildren(...Object.keys(train.controls).map((name) => this.lever(name)));
+    at("no-levers").hidden = Object.keys(train.controls).length > 0;
+  }
+
+  lever(name) {
+    const { whole, text } = DATA.inputs.find((input) => input.name === name), caps = DATA.controls[name]?.caps;
+    const label = document.createElement("label"), slider = document.createElement("input"), value = document.createElement("output");
+    Object.assign(slider, { id: `lever-${name}`, type: "range", min: 0, max: 100, step: whole ? 100 : 5, value: 0, title: text });
+    slider.addEventListener("input", () => this.act(name, Number(slider.value)));
+    label.append(controlWord(name), " ");
+    for (const cap of caps ? caps.split(" ") : []) label.append(Object.assign(document.createElement("kbd"), { textContent: cap }), " ");
+    label.append(value, slider);
+    return label;
+  }
+
+  show() {
+    const { train } = this;
+    for (const button of at("valve").children) button.setAttribute("aria-pressed", String(button.textContent === train.valve));
+    for (const [name, value] of Object.entries(train.levers)) {
+      const slider = at(`lever-${name}`);
+      slider.value = value;
+      slider.previousSibling.value = `${value} %`;
+    }
+  }
+
+  key(event) {
+    const { train } = this, { code, target } = event;
+    if (!train || event.ctrlKey || event.metaKey || event.altKey || target.closest("select, [type=number]")) return;
+    const [release, apply] = DATA.valveKeys, notches = Object.keys(VALVE);
+    if (code === release || code === apply) {
+      const next = notches.indexOf(train.valve) + (code === apply ? 1 : -1);
+      if (next >= 0 && next < notches.length) this.act(notches[next]);
+    } else if (code === "Backspace") this.act("emergency");
+    else this.move(code);
+  }
+
+  // Moves the lever of a key by a notch, or to its end if it has two values.
+  move(code) {
+    const { train } = this;
+    for (const [name, { less, more }] of Object.entries(DATA.controls)) {
+      if (!(name in train.levers) || (code !== less && code !== more) || !code) continue;
+      const whole = DATA.inputs.find((input) => input.name === name).whole, before = train.levers[name];
+      const value = whole && !less ? 100 - before : before + (code === more ? 1 : -1) * (whole ? 100 : NOTCH);
+      this.act(name, Math.max(0, Math.min(100, value)));
+    }
+  }
+}
