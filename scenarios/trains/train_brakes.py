@@ -18,9 +18,12 @@ from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist_file import consist_of
 from products.train.train import Train
+from scenarios.bench.train_pressures import draw_pressures
 from scenarios.bench.train_runs import TrainCourse, seconds_of, stop
 
 CARS, SPEED, LOOK = 60, 80.0 / 3.6, 5.0
+#: Time to which pressures are drawn [s].
+DRAWN = 25.0
 #: Commands: position of the driver's valve, and step.
 COMMANDS = {"full service": ("service", 1.0), "emergency": ("emergency", 0.0)}
 #: Names of brakes, and their distributors.
@@ -79,7 +82,10 @@ def run(options: Options, quick: bool = False) -> Report:
     rows.append(measured("largest compression, by wire over by air", "1", max(calm) / min(pushed), "", at_most(0.5)))
     parameters = {"cars": CARS, "speed": SPEED, "look": LOOK}
     seconds = seconds_of(one.course for one in found.values())
-    return Report(rows, series_of(found), lambda: draw(found), parameters, seconds, [MESSAGE + "."])
+    figures = {"pressures": lambda: draw_courses(found)}
+    return Report(
+        rows, series_of(found), lambda: draw(found), parameters, seconds, [MESSAGE + "."], other_figures=figures
+    )
 
 
 #: Message of the figure.
@@ -115,6 +121,20 @@ def draw(found: dict[tuple[str, str], TrainStop]) -> Figure:
     for axis in (distance, force):
         axis.set_xticks(places, list(BRAKES))
     distance.legend(fontsize=8)
+    return figure
+
+
+def draw_courses(found: dict[tuple[str, str], TrainStop]) -> Figure:
+    """Return the pressures of full service over time and along the train, a column for each brake."""
+    titles = {f"{brake}: pipe": "" for brake in BRAKES} | {f"{brake}: cylinders": "time [s]" for brake in BRAKES}
+    message = "By air a wave applies brakes, by wire they apply at once"
+    figure, axes = charts(message, titles, (11.0, 6.0), columns=len(BRAKES), sharex=True, sharey=True)
+    for row, (of, ends) in enumerate({"pipe": (3.0, 5.0), "cylinder": (0.0, 4.0)}.items()):
+        those = axes[row * len(BRAKES) : (row + 1) * len(BRAKES)]
+        for axis, brake in zip(those, BRAKES, strict=True):
+            shades = draw_pressures(axis, found[brake, "full service"].course, of, DRAWN, ends)
+        those[0].set_ylabel("behind the head [m]")
+        figure.colorbar(shades, ax=those, label="bar")
     return figure
 
 

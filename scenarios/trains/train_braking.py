@@ -16,6 +16,7 @@ from bogie_braking.reporting.report import Report, Row, at_least, at_most, measu
 from bogie_braking.reporting.scenario import Options, Scenario, Sweepable
 from products.train.train import Train
 from rbd_model.train.coupler import COUPLERS
+from scenarios.bench.train_pressures import draw_pressures
 from scenarios.bench.train_runs import TrainCourse, build_up_time, follow, propagation, seconds_of, stop, train_of
 
 #: Lengths of the trains, of which a quick run has two [m], and speed [m/s].
@@ -103,12 +104,8 @@ def draw(drawn: Mapping[str, tuple[Train, TrainCourse]]) -> Figure:
     titles = {f"{mode}: pressure in the pipe [bar]": "time [s]" for mode in drawn}
     titles |= {f"{mode}: extremes of\ncoupler forces [kN]": "coupler" for mode in drawn}
     figure, axes = charts(message, titles, (11.0, 6.6), columns=3, sharey="row")
-    for pipe, forces, (train, course) in zip(axes[:3], axes[3:], drawn.values(), strict=True):
-        until, place, force = course.time <= 25.0, train.distance[0] - train.distance, course.force / 1e3
-        pressure = course.pipe[until].T / 1e5
-        shades = pipe.pcolormesh(
-            course.time[until], place, pressure, vmin=0.0, vmax=5.0, cmap="cividis", shading="nearest"
-        )
+    for pipe, forces, (_, course) in zip(axes[:3], axes[3:], drawn.values(), strict=True):
+        shades, force = draw_pressures(pipe, course, "pipe", 25.0, (0.0, 5.0)), course.force / 1e3
         forces.fill_between(range(1, force.shape[1] + 1), force.min(axis=0), force.max(axis=0), color=FOUR[0])
     axes[0].set_ylabel("behind the head [m]")
     axes[3].set_ylabel("tension above 0 [kN]")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from bogie_braking.__main__ import main
 from bogie_braking.live.carried_train import carried_from
 from bogie_braking.live.train_page import HILL, PAGE, PRESETS, trains, write_train_page
 from fmu_src.arrays_fmu import build_arrays_fmu
@@ -189,11 +190,11 @@ def driven(page: Page, steps: int = ENDS) -> list[float]:
 def test_a_users_train_on_a_line_runs_as_in_python_and_from_its_link(
     browser: Browser, file: Path, user_files: tuple[Path, Path], tmp_path: Path
 ) -> None:
-    own = carried_from(*user_files)
+    consist, line = user_files
+    own = carried_from(consist, line)
+    assert main(["live", "--consist", str(consist), "--line", str(line), "--out", str(tmp_path)]) == 0
     done = ",".join(f"{step}:{name}:{value}" for step, name, value in ACTIONS)
-    page = browser.open(
-        write_train_page(tmp_path / PAGE, own), *SIZES[0], link=f"#speed=30&place=250&do={done},600:first step"
-    )
+    page = browser.open(tmp_path / PAGE, *SIZES[0], link=f"#speed=30&place=250&do={done},600:first step")
     page.evaluate("live.ready.then(() => { live.running = false })")
     found = driven(page)
     assert page.evaluate("[live.consist, live.train.consist.nameOf(1), live.train.consist.nameOf(10)]") == [
@@ -298,14 +299,15 @@ def test_each_page_leads_to_the_other(page: Page) -> None:
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_is_hard_to_read_or_to_use(page: Page, scheme: str) -> None:
     page.prefer(scheme)
-    begin(page)
+    begin(page, f"#train={HILL}")
     assert violations(page, "heading-order") == []
     page.prefer("light")
 
 
 def test_it_is_drawn(page: Page, tmp_path: Path) -> None:
-    begin(page)
-    page.evaluate("act('emergency'); for (let n = 0; n < 100; n += 1) live.train.step(); show()")
+    actions = "do=0:traction:60,400:traction:0,1000:dynamic_brake:60,1600:emergency"
+    begin(page, f"#train={HILL}&speed=60&place=700&{actions}")
+    page.evaluate("for (let n = 0; n < 1900; n += 1) live.train.step(); show()")
     shot = Path(os.environ.get("BOGIE_BRAKING_PICTURES", tmp_path)) / f"train-{page.evaluate('innerWidth')}.png"
     page.screenshot(shot)
     assert shot.stat().st_size > 10_000

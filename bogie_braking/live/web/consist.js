@@ -17,7 +17,7 @@ class Consist {
     this.names = (about.vehicles ?? []).flatMap(([name, count]) => Array(count).fill(String(name)));
   }
 
-  // From a text that carried_train.py or `asText` wrote.
+  // Returns the consist of a text from carried_train.py or `asText`.
   static async from(text) {
     const bytes = await unpacked(text), [count] = new Float64Array(bytes, 0, 1), end = 8 * (count + 1);
     const about = JSON.parse(new TextDecoder().decode(bytes.slice(end)));
@@ -44,7 +44,7 @@ class Consist {
         place += this.counts[of];
       }
     const [distance, gradient] = ["distance", "gradient"].map((name) => this.columns[`point.${name}`]);
-    this.line = { distance, gradient, begin: distance[0], end: distance.at(-1) };
+    this.line = { distance, gradient, begin: distance[0], end: distance.at(-1), isLevel: gradient.every((value) => value === 0) };
   }
 
   get vehicles() { return this.counts.vehicles; }

@@ -15,7 +15,7 @@ class PlaceView {
     const axes = new Axes(context, box, [first, span], [0, 1.05 * Math.max(20, ...limits, speeds.reduce((a, b) => Math.max(a, b), 0))]);
     Object.assign(context, { fillStyle: look.ink, textAlign: "left" });
     context.fillText("speed over place [km/h], gradient below", 4, 13);
-    axes.draw(height - 4, " m", roundStep(span, width < 500 ? 3 : 6));
+    axes.draw(height - 4, " m", roundStep(span, width / 80));
     this.ground(axes, consist, height - 20);
     this.limits(axes, consist.limits);
     axes.line(history.filter((point) => point.front >= first).map((point) => [point.front, Math.abs(point.speed)]), "ink", 3);
@@ -45,6 +45,7 @@ class PlaceView {
     places.forEach((place, i) => context.lineTo(at(place), base - 4 - (TALL - 14) * (heights[i] - low) / range));
     context.lineTo(box.right, base);
     context.fill();
+    if (consist.line.isLevel) return;
     Object.assign(context, { fillStyle: look.ink, textAlign: "center" });
     for (const share of [0.1, 0.3, 0.5, 0.7, 0.9]) {
       const place = first + share * span;

@@ -8,10 +8,14 @@ function shade(share) {
   return SHADES[below].map((value, i) => value + (place - below) * (SHADES[below + 1][i] - value));
 }
 
+// The same as 256 pixels.
+const PIXELS = new Uint32Array(Uint8ClampedArray.from(Array.from({ length: 256 }, (_, i) => [...shade(i / 255), 255]).flat()).buffer);
+
 class PressureView {
-  // name: of the pressures of a point of the history; most: that of the last colour [Pa].
-  constructor(canvas, title, name, most) {
-    Object.assign(this, { canvas, title, name, most, image: document.createElement("canvas") });
+  // name: of the pressures of a point of the history; least, most: those of the first and last colour [Pa]; the first
+  // falls in whole bars with the pressures.
+  constructor(canvas, title, name, [least, most]) {
+    Object.assign(this, { canvas, title, name, least, most, image: document.createElement("canvas") });
   }
 
   draw(history) {
@@ -19,6 +23,8 @@ class PressureView {
     const last = history.at(-1).time, first = Math.max(0, last - WINDOW), span = Math.min(WINDOW, Math.max(SHORTEST, last));
     const shown = history.slice(history.findIndex(({ time }) => time >= first)), n = shown[0][this.name].length;
     const axes = new Axes(context, box, [first, span], [n, 0]), { image } = this;
+    const lowest = shown.reduce((low, point) => Math.min(low, ...point[this.name]), this.least);
+    this.low = Math.max(0, 1e5 * Math.floor(lowest / 1e5));
     Object.assign(image, { width: shown.length, height: n });
     image.getContext("2d").putImageData(this.pixels(shown, n), 0, 0);
     context.imageSmoothingEnabled = false;
@@ -33,14 +39,15 @@ class PressureView {
   }
 
   pixels(shown, n) {
-    const data = new ImageData(shown.length, n);
-    shown.forEach((point, column) => point[this.name].forEach((pressure, row) => {
-      data.data.set([...shade(pressure / this.most), 255], 4 * (row * shown.length + column));
-    }));
-    return data;
+    const image = new ImageData(shown.length, n), pixels = new Uint32Array(image.data.buffer), scale = 255 / (this.most - this.low);
+    shown.forEach((point, column) => {
+      const pressures = point[this.name];
+      for (let row = 0; row < n; row += 1) pixels[row * shown.length + column] = PIXELS[Math.max(0, Math.min(255, Math.round(scale * (pressures[row] - this.low))))];
+    });
+    return image;
   }
 
-  // The colours with their pressures, right of the picture.
+  // The colours with their pressures, right of the plot.
   scale(context, box) {
     const count = 40, tall = (box.bottom - box.top) / count;
     for (let i = 0; i < count; i += 1) {
@@ -48,6 +55,7 @@ class PressureView {
       context.fillRect(box.right + 10, box.bottom - (i + 1) * tall, 10, tall + 1);
     }
     Object.assign(context, { fillStyle: look.soft, textAlign: "left" });
-    for (let bar = 0; bar <= this.most / 1e5; bar += 1) context.fillText(`${bar}`, box.right + 24, box.bottom - (bar * 1e5 / this.most) * (box.bottom - box.top) + 4);
+    const height = (bar) => box.bottom - ((1e5 * bar - this.low) / (this.most - this.low)) * (box.bottom - box.top);
+    for (let bar = this.low / 1e5; bar <= this.most / 1e5; bar += 1) context.fillText(`${bar}`, box.right + 24, height(bar) + 4);
   }
 }

@@ -67,7 +67,7 @@ class Train {
 
   act(name, value) {
     this.plan = [];
-    this.apply(name, value);
+    if (name !== this.valve && (!(name in this.levers) || this.levers[name] !== value)) this.apply(name, value);
   }
 
   apply(name, value) {

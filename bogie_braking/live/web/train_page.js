@@ -3,11 +3,11 @@
 const CHART_FRAMES = 4; // plots over time and place are drawn once in this many frames
 const LONGEST_LINK = 8000; // letters that mail programs keep
 
-const live = Object.assign(new Player(["go on", "pause"], advance), { module: null, before: null, turn: 0, frames: 0, opened: null });
+const live = Object.assign(new Player(["go on", "pause"], advance), { module: null, before: null, turn: 0, frames: 0, opened: null, looked: null });
 const line = { label: "train", colour: "ink", heavy: true, value: (point) => point.speed };
 const chart = new Chart(at("chart-speed"), "speed of the head [km/h]", [line], [0, 10]);
-const plots = [new PressureView(at("chart-pipe"), "brake pipe [bar] over time, by vehicle", "pipe", 5.5e5),
-  new PressureView(at("chart-cylinder"), "brake cylinders [bar] over time, by vehicle", "cylinder", 4.5e5)];
+const plots = [new PressureView(at("chart-pipe"), "brake pipe [bar] over time, by vehicle", "pipe", [3e5, 5.5e5]),
+  new PressureView(at("chart-cylinder"), "brake cylinders [bar] over time, by vehicle", "cylinder", [0, 4.5e5])];
 const places = new PlaceView(at("chart-place"));
 const desk = new TrainDesk(act);
 const SETTINGS = ["train", "speed", "place"];
@@ -71,7 +71,7 @@ function show(all = true) {
   at("brake").setAttribute("aria-pressed", String(!train.ended && applied));
   const since = begun && `, ${Math.abs(train.distance - begun.distance).toFixed(0)} m and ${(train.time - begun.time).toFixed(1)} s since braking`;
   at("state").textContent = `${inKmh(train.speed)}${since ?? ""}`;
-  at("gauges").textContent = gauges(train);
+  at("gauges").textContent = live.looked === null ? gauges(train) : vehicleWords(train, live.looked);
   at("part").disabled = train.ended || train.parted || train.vehicles < 2;
   if (!train.ended) showDoing();
 }
@@ -83,8 +83,18 @@ function gauges(train) {
   if (DATA.outputs.includes("main_reservoir_pressure")) parts.push(`main reservoir ${bar("main_reservoir_pressure")}`);
   if (controls.traction) parts.push(`motors ${(train.output("traction_force").reduce((a, b) => a + b, 0) / 1e3).toFixed(0)} kN`);
   const limit = consist.limitBetween(train.rear, front);
-  parts.push(`${front.toFixed(0)} m`, `${(1e3 * consist.gradientAt(front)).toFixed(1)} ‰`);
+  parts.push(`${front.toFixed(0)} m`);
+  if (!consist.line.isLevel) parts.push(`${(1e3 * consist.gradientAt(front)).toFixed(1)} ‰`);
   if (limit !== null) parts.push(`limit ${(3.6 * limit).toFixed(0)} km/h${Math.abs(train.speed) > limit + 0.1 ? ": too fast" : ""}`);
+  return parts.join(" · ");
+}
+
+// The vehicle that is pointed at: name, mass, pressures, force of the coupler behind it.
+function vehicleWords(train, number) {
+  const { consist } = train, bar = (name) => `${(train.pressure(name)[number] / 1e5).toFixed(2)} bar`;
+  const parts = [`${number + 1}: ${consist.nameOf(number)}`, `${(consist.columns["motion.mass"][number] / 1e3).toFixed(1)} t`];
+  parts.push(`pipe ${bar("pipe_pressure")}`, `cylinders ${bar("cylinder_pressure")}`);
+  if (number < train.vehicles - 1) parts.push(`coupler behind ${(train.output("coupler_force")[number] / 1e3).toFixed(0)} kN`);
   return parts.join(" · ");
 }
 
@@ -100,7 +110,12 @@ function showDoing() {
 function advance(time) {
   if (live.told) return;
   live.left += time;
-  for (; live.left > 0.5 * STEP && !live.train.ended; live.left -= STEP) live.train.step();
+  try {
+    for (; live.left > 0.5 * STEP && !live.train.ended; live.left -= STEP) live.train.step();
+  } catch (error) {
+    live.told = true;
+    return tell(error.message);
+  }
   live.frames += 1;
   show(live.train.ended || live.frames % CHART_FRAMES === 0);
   if (live.train.ended) finish();
@@ -225,6 +240,8 @@ function listen() {
   for (const name of Object.keys(DATA.consists)) at("train").append(new Option(name, name));
   for (const name of SETTINGS) at(name).addEventListener("change", () => startWith(name));
   at("part").addEventListener("click", () => act("part"));
+  for (const name of ["pointermove", "pointerleave"])
+    at("train-view").addEventListener(name, (event) => { live.looked = name === "pointermove" && live.train ? vehicleAt(event, live.train.vehicles) : null; });
   const redraw = () => live.train && show();
   onDesk({ press: pressBrake, restart, openLink, showLink: copied, redraw, file: ["train.csv", table] });
   listenToFiles();

@@ -13,9 +13,18 @@ function drawWagons(context, n, x, wide, powered) {
   }
 }
 
+// Left and right end of the train on a canvas [pixels].
+const LEFT = 52, RIGHT = 10;
+
+// The number of the vehicle at a pointer; null beside the train.
+function vehicleAt({ offsetX, target }, n) {
+  const share = (target.clientWidth - RIGHT - offsetX) / (target.clientWidth - RIGHT - LEFT);
+  return share >= 0 && share < 1 ? Math.floor(share * n) : null;
+}
+
 function drawTrain(canvas, train) {
   const { context, width, height } = sharp(canvas);
-  const box = { left: 52, right: width - 10 }, size = (height - 102) / 3, n = train.vehicles;
+  const box = { left: LEFT, right: width - RIGHT }, size = (height - 102) / 3, n = train.vehicles;
   const x = (i) => box.right - ((box.right - box.left) * (i + 1)) / n, wide = Math.max((box.right - box.left) / n - 1, 1);
   // title, values from the head on, full bar, colour by value, marks at shares of it; zero: share of the row below 0.
   const row = (number, title, values, most, colour, marks, zero = 0, offset = 0) => {
