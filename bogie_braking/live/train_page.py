@@ -59,7 +59,8 @@ def trains() -> dict[str, CarriedTrain]:
 def _about(array: Array) -> dict[str, Any]:
     """Return what the page needs of an input or output."""
     limits = {"least": array.least, "most": array.most} if np.isfinite(array.most) else {}
-    return {"name": array.name, "of": array.of, "whole": array.whole, "text": array.text, **limits}
+    about = {"name": array.name, "of": array.of, "whole": array.whole, "text": array.text, "choices": array.choices}
+    return about | limits
 
 
 @lru_cache
@@ -72,7 +73,7 @@ def train_page() -> str:
         "outputs": [output.name for output in OUTPUTS],
         "layout": [[group.name, group.of, [field.name for field in group.fields]] for group in layout()],
         "mark": layout_mark(),
-        "equipment": {name: asdict(one) for name, one in EQUIPMENT.items()},
+        "equipment": {name: one.above for name, one in EQUIPMENT.items()},
         "valve": notches(),
         "valveKeys": VALVE_KEYS,
         "controls": {name: asdict(one) for name, one in CONTROLS.items()},

@@ -241,17 +241,16 @@ def laid(groups: Mapping[str, Rows]) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class Equipment:
-    """Equipment of a vehicle: its name in messages, its group, and its fields; one is above 0 if the vehicle has it."""
+    """Equipment of a vehicle: its name in messages; a vehicle has it if a field, as GROUP.NAME, exceeds its value."""
 
     text: str
-    group: str
-    fields: tuple[str, ...]
+    above: Mapping[str, float]
 
 
 #: Equipment by the name of the input that has no effect on vehicles without it.
 EQUIPMENT = {
-    "traction": Equipment("motors", "traction", ("traction_force",)),
-    "dynamic_brake": Equipment("an electric brake", "electric", ("dynamic_force",)),
-    "track_brake": Equipment("track brakes", "track", ("magnetic_attraction", "eddy_force")),
-    "parking_brake": Equipment("a parking brake", "parking", ("parking_force",)),
+    "traction": Equipment("motors", {"traction.traction_force": 0.0}),
+    "dynamic_brake": Equipment("an electric brake", {"electric.dynamic_force": 0.0}),
+    "track_brake": Equipment("track brakes", {"track.magnetic_attraction": 0.0, "track.eddy_force": 0.0}),
+    "parking_brake": Equipment("a parking brake", {"parking.parking_force": 0.0}),
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import weakref
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -60,10 +61,8 @@ def _place(name: str, value: int, count: int) -> None:
 
 def has_equipment(consist: Consist, name: str) -> bool:
     """Return whether a vehicle has the equipment that an input needs."""
-    one = EQUIPMENT[name]
-    return any(
-        getattr(getattr(vehicle, one.group), field) > 0.0 for vehicle in consist.vehicles for field in one.fields
-    )
+    above = [(attrgetter(field), value) for field, value in EQUIPMENT[name].above.items()]
+    return any(field(vehicle) > value for vehicle in consist.vehicles for field, value in above)
 
 
 def _recorded_of(consist: Consist) -> list[Array]:

@@ -279,6 +279,7 @@ def test_a_train_that_has_stopped_goes_on_once_it_is_released(page: Page) -> Non
     begin(page, f"#train={HILL}&speed=10&place=2500&do=0:emergency")
     page.evaluate("while (!live.train.ended) live.train.step(); advance(0)")
     assert "The head stopped" in page.evaluate("at('result').textContent")
+    assert "-15.0 ‰ · limit 60 km/h" in page.evaluate("at('gauges').textContent")
     page.evaluate("act('running'); for (let n = 0; n < 5000; n += 1) live.train.step(); show()")
     assert page.evaluate("live.train.speed") > 1.0
     assert page.evaluate("live.train.ended") is False

@@ -17,7 +17,7 @@ class Consist {
     this.names = (about.vehicles ?? []).flatMap(([name, count]) => Array(count).fill(String(name)));
   }
 
-  // Returns the consist of a text from carried_train.py or `asText`.
+  // Returns the consist that carried_train.py or `asText` packed.
   static async from(text) {
     const bytes = await unpacked(text), [count] = new Float64Array(bytes, 0, 1), end = 8 * (count + 1);
     const about = JSON.parse(new TextDecoder().decode(bytes.slice(end)));
@@ -44,15 +44,22 @@ class Consist {
         place += this.counts[of];
       }
     const [distance, gradient] = ["distance", "gradient"].map((name) => this.columns[`point.${name}`]);
+    this.running = this.columns["valve.running"][0] - this.columns["valve.around"][0]; // [Pa], below 0 of a vacuum
     this.line = { distance, gradient, begin: distance[0], end: distance.at(-1), isLevel: gradient.every((value) => value === 0) };
   }
 
   get vehicles() { return this.counts.vehicles; }
 
+  // Place of the front at the start if none is given [m]: 0, or the begin of a line that is elsewhere.
+  get start() {
+    const { begin, end } = this.line;
+    return begin < end && (begin > 0 || end < 0) ? begin : 0;
+  }
+
   // Numbers of the owners of an input on which it has an effect.
   owners({ name, of }) {
-    const all = Array.from({ length: of === "valves" ? 1 : this.counts[of] }, (_, number) => number), needs = DATA.equipment[name];
-    return needs ? all.filter((number) => needs.fields.some((field) => this.columns[`${needs.group}.${field}`][number] > 0)) : all;
+    const all = Array.from({ length: of === "valves" ? 1 : this.counts[of] }, (_, number) => number), above = DATA.equipment[name];
+    return above ? all.filter((number) => Object.entries(above).some(([field, value]) => this.columns[field][number] > value)) : all;
   }
 
   nameOf(vehicle) { return this.names[vehicle] ?? `vehicle ${vehicle + 1}`; }

@@ -12,19 +12,19 @@ function shade(share) {
 const PIXELS = new Uint32Array(Uint8ClampedArray.from(Array.from({ length: 256 }, (_, i) => [...shade(i / 255), 255]).flat()).buffer);
 
 class PressureView {
-  // name: of the pressures of a point of the history; least, most: those of the first and last colour [Pa]; the first
-  // falls in whole bars with the pressures.
-  constructor(canvas, title, name, [least, most]) {
-    Object.assign(this, { canvas, title, name, least, most, image: document.createElement("canvas") });
+  // name: of the pressures of a point of the history.
+  constructor(canvas, title, name) {
+    Object.assign(this, { canvas, title, name, image: document.createElement("canvas") });
   }
 
-  draw(history) {
+  // Pressures [Pa] of the first colour, which falls from `least` to `lowest` in whole bars with the pressures, and of the last.
+  draw(history, [lowest, least, most]) {
     const { context, width, height } = sharp(this.canvas), box = { left: 44, right: width - 52, top: 24, bottom: height - 20 };
     const last = history.at(-1).time, first = Math.max(0, last - WINDOW), span = Math.min(WINDOW, Math.max(SHORTEST, last));
     const shown = history.slice(history.findIndex(({ time }) => time >= first)), n = shown[0][this.name].length;
     const axes = new Axes(context, box, [first, span], [n, 0]), { image } = this;
-    const lowest = shown.reduce((low, point) => Math.min(low, ...point[this.name]), this.least);
-    this.low = Math.max(0, 1e5 * Math.floor(lowest / 1e5));
+    const fallen = shown.reduce((low, point) => Math.min(low, ...point[this.name]), least);
+    Object.assign(this, { low: Math.max(lowest, 1e5 * Math.floor(fallen / 1e5)), most });
     Object.assign(image, { width: shown.length, height: n });
     image.getContext("2d").putImageData(this.pixels(shown, n), 0, 0);
     context.imageSmoothingEnabled = false;

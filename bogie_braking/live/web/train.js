@@ -1,10 +1,12 @@
 // A train: the C of its FMU, whose arrays are views into its memory, and a driver who moves the controls of the desk.
 
-const AROUND = 101325, RUNNING = 5e5; // pressures: outside [Pa], and of the pipe above it
+const AROUND = 101325; // pressure outside [Pa]
 const STEP = 0.02; // of a run [s]; a link counts in it
 const KEPT = 5, LONGEST_RUN = 3600; // steps between points of the history; [s]
 const RESTS = 0.01; // at lower speeds the train is at rest [m/s]
 const VALVE = DATA.valve; // notches from release to emergency, with position and step of the valve
+// Inputs by name; unit: that of a lever, 1 of an integer, otherwise %; most: the end of the lever in this unit.
+const INPUT = Object.fromEntries(DATA.inputs.map((input) => [input.name, { ...input, unit: input.whole ? 1 : 100, most: input.most * (input.whole ? 1 : 100) }]));
 const RELEASED = Object.keys(VALVE).filter((name) => VALVE[name][0] === 1 || VALVE[name][0] === 2);
 
 class Train {
@@ -47,7 +49,7 @@ class Train {
 
   // plan: later actions, as [step, name, value]; name: of VALVE, "part", or a control with its value; `act` ends it.
   begin(speed, place = 0, plan = []) {
-    this.exports.train_begin(this.self, 0, speed, place, RUNNING + AROUND, AROUND);
+    this.exports.train_begin(this.self, 0, speed, place, this.consist.columns["valve.running"][0], AROUND);
     const couplings = Array(this.vehicles - 1).fill(0), levers = Object.fromEntries(Object.keys(this.controls).map((name) => [name, 0]));
     Object.assign(this, { steps: 0, plan: [...plan], done: [], history: [], begun: null, stopped: null, valve: "running", parted: false, levers });
     Object.assign(this, { pushed: [...couplings], pulled: [...couplings] });
@@ -89,10 +91,10 @@ class Train {
     [this.input("driver_position")[0], this.input("driver_step")[0]] = VALVE[name];
   }
 
-  // A control of the desk [%], on all vehicles that have the equipment.
+  // A control of the desk, on all vehicles that have the equipment.
   set(name, value) {
     this.levers[name] = value;
-    for (const owner of this.controls[name]) this.input(name)[owner] = value / 100;
+    for (const owner of this.controls[name]) this.input(name)[owner] = value / INPUT[name].unit;
   }
 
   part() {

@@ -31,9 +31,9 @@ class TrainDesk {
   }
 
   lever(name) {
-    const { whole, text } = DATA.inputs.find((input) => input.name === name), caps = DATA.controls[name]?.caps;
+    const { whole, text, most } = INPUT[name], caps = DATA.controls[name]?.caps;
     const label = document.createElement("label"), slider = document.createElement("input"), value = document.createElement("output");
-    Object.assign(slider, { id: `lever-${name}`, type: "range", min: 0, max: 100, step: whole ? 100 : 5, value: 0, title: text });
+    Object.assign(slider, { id: `lever-${name}`, type: "range", min: 0, max: most, step: whole ? 1 : 5, value: 0, title: text });
     slider.addEventListener("input", () => this.act(name, Number(slider.value)));
     label.append(controlWord(name), " ");
     for (const cap of caps ? caps.split(" ") : []) label.append(Object.assign(document.createElement("kbd"), { textContent: cap }), " ");
@@ -47,7 +47,7 @@ class TrainDesk {
     for (const [name, value] of Object.entries(train.levers)) {
       const slider = at(`lever-${name}`);
       slider.value = value;
-      slider.previousSibling.value = `${value} %`;
+      slider.previousSibling.value = INPUT[name].whole ? INPUT[name].choices[value] : `${value} %`;
     }
   }
 
@@ -62,14 +62,14 @@ class TrainDesk {
     else this.move(code);
   }
 
-  // Moves the lever of a key by a notch, or to its end if it has two values.
+  // Moves the lever of a key by a notch, or to its other value if it has one key.
   move(code) {
     const { train } = this;
     for (const [name, { less, more }] of Object.entries(DATA.controls)) {
       if (!(name in train.levers) || (code !== less && code !== more) || !code) continue;
-      const whole = DATA.inputs.find((input) => input.name === name).whole, before = train.levers[name];
-      const value = whole && !less ? 100 - before : before + (code === more ? 1 : -1) * (whole ? 100 : NOTCH);
-      this.act(name, Math.max(0, Math.min(100, value)));
+      const { whole, most } = INPUT[name], before = train.levers[name];
+      const value = less ? before + (code === more ? 1 : -1) * (whole ? 1 : NOTCH) : most - before;
+      this.act(name, Math.max(0, Math.min(most, value)));
     }
   }
 }

@@ -6,10 +6,11 @@ const LONGEST_LINK = 8000; // letters that mail programs keep
 const live = Object.assign(new Player(["go on", "pause"], advance), { module: null, before: null, turn: 0, frames: 0, opened: null, looked: null });
 const line = { label: "train", colour: "ink", heavy: true, value: (point) => point.speed };
 const chart = new Chart(at("chart-speed"), "speed of the head [km/h]", [line], [0, 10]);
-const plots = [new PressureView(at("chart-pipe"), "brake pipe [bar] over time, by vehicle", "pipe", [3e5, 5.5e5]),
-  new PressureView(at("chart-cylinder"), "brake cylinders [bar] over time, by vehicle", "cylinder", [0, 4.5e5])];
+const plots = [new PressureView(at("chart-pipe"), "brake pipe [bar] over time, by vehicle", "pipe"),
+  new PressureView(at("chart-cylinder"), "brake cylinders [bar] over time, by vehicle", "cylinder")];
 const places = new PlaceView(at("chart-place"));
 const desk = new TrainDesk(act);
+const WARNINGS = { vigilance_warning: "VIGILANCE", penalty_applied: "PENALTY" }; // outputs of the head's valve, if there are any
 const SETTINGS = ["train", "speed", "place"];
 
 // Begins a run of the chosen train; one that cannot be made leaves the present run, with a message.
@@ -21,7 +22,8 @@ async function start(plan = []) {
   if (turn !== live.turn) return;
   keepBefore();
   const known = plan.filter(([, name]) => name in VALVE || name in train.controls || (name === "part" && train.vehicles > 1));
-  train.begin(Number(settings.speed) / 3.6, Number(settings.place), known);
+  at("place").placeholder = consist.start;
+  train.begin(Number(settings.speed) / 3.6, settings.place === "" ? consist.start : Number(settings.place), known);
   Object.assign(live, { train, consist: consist.name, settings, left: 0, told: false, doing: "" });
   desk.begin(train);
   live.play();
@@ -63,7 +65,8 @@ function show(all = true) {
   drawTrain(at("train-view"), train);
   if (all) {
     chart.draw(train.history, before && begun ? { ...before, shift: begun.time - before.begun } : null);
-    for (const plot of plots) plot.draw(train.history);
+    const { running } = train.consist, ranges = [running > 0 ? [0, 0.6 * running, 1.1 * running] : [-1e5, -1e5, 0], [0, 0, CYLINDER]];
+    plots.forEach((plot, number) => plot.draw(train.history, ranges[number]));
     places.draw(train);
   }
   desk.show();
@@ -81,6 +84,7 @@ function gauges(train) {
   const bar = (name) => `${(train.pressure(name)[0] / 1e5).toFixed(1)} bar`, { consist, front, controls } = train;
   const parts = [`pipe ${bar("pipe_pressure")}`, `cylinders ${bar("cylinder_pressure")}`];
   if (DATA.outputs.includes("main_reservoir_pressure")) parts.push(`main reservoir ${bar("main_reservoir_pressure")}`);
+  for (const [name, word] of Object.entries(WARNINGS)) if (DATA.outputs.includes(name) && train.output(name)[0]) parts.push(word);
   if (controls.traction) parts.push(`motors ${(train.output("traction_force").reduce((a, b) => a + b, 0) / 1e3).toFixed(0)} kN`);
   const limit = consist.limitBetween(train.rear, front);
   parts.push(`${front.toFixed(0)} m`);
@@ -136,7 +140,7 @@ function showLink() {
   if (own) words.set("data", inLink(train.consist.text));
   else words.set("train", settings.train);
   words.set("speed", settings.speed);
-  if (settings.place !== "0") words.set("place", settings.place);
+  if (settings.place) words.set("place", settings.place);
   words.set("do", train.done.map((one) => one.join(":")).join(","));
   const link = `#${decodeURIComponent(words.toString().replaceAll("+", "%20"))}`;
   history.replaceState(null, "", link);
@@ -153,8 +157,8 @@ async function openLink(hash) {
   const refused = [];
   let plan = [], message = "";
   at("train").selectedIndex = 0;
-  Object.assign(at("speed"), { value: "100" });
-  Object.assign(at("place"), { value: "0" });
+  at("speed").value = "100";
+  at("place").value = "";
   for (const [name, value] of new URLSearchParams(hash.slice(1))) {
     if (name === "do") {
       const done = value.split(",").filter(Boolean).map((one) => one.split(":"));
@@ -174,11 +178,11 @@ async function openLink(hash) {
   else if (message) tell(message);
 }
 
-const isControl = (name) => name in DATA.controls || name in DATA.equipment;
+const isControl = (name) => name in INPUT && (name in DATA.controls || name in DATA.equipment);
 
 // Returns whether words are an action: a step and a notch, or a step, a control and its value [%].
 function isAction([step, what, much]) {
-  return /^\d{1,6}$/.test(step) && (what in VALVE || what === "part" || (isControl(what) && /^\d{1,3}$/.test(much) && Number(much) <= 100));
+  return /^\d{1,6}$/.test(step) && (what in VALVE || what === "part" || (isControl(what) && /^\d{1,3}$/.test(much) && Number(much) <= INPUT[what].most));
 }
 
 // Adds a train of a file or of a link to the choice, and chooses it.

@@ -1,6 +1,6 @@
 // The train, and below it rows of bars: pressure of the pipe, of the cylinders, forces of the couplers. The head is on the right.
 
-const PIPE = 5.5e5, CYLINDER = 4.5e5, COUPLER = 4e5; // full bars [Pa], [N]; that of couplers grows with the forces
+const CYLINDER = 4.5e5, COUPLER = 4e5; // full bars [Pa], [N]; that of couplers grows with the forces
 
 // The vehicles themselves above their bars, the head and those with motors in another colour; x: left end of the vehicle with a number.
 function drawWagons(context, n, x, wide, powered) {
@@ -42,7 +42,9 @@ function drawTrain(canvas, train) {
     context.fillRect(box.left, ground, box.right - box.left, 1);
   };
   drawWagons(context, n, x, wide, train.controls.traction ?? []);
-  row(0, "brake pipe [bar], the head on the right", train.pressure("pipe_pressure"), PIPE, () => look.pipe, [[0, "0"], [5e5 / PIPE, "5"]]);
+  const full = Math.abs(train.consist.running), sign = Math.sign(train.consist.running), pipe = train.pressure("pipe_pressure");
+  row(0, `${sign < 0 ? "vacuum in the " : ""}brake pipe [bar], the head on the right`, pipe.map((pressure) => sign * pressure), 1.1 * full,
+    () => look.pipe, [[0, "0"], [1 / 1.1, `${+(full / 1e5).toFixed(1)}`]]);
   row(1, "brake cylinders [bar]", train.pressure("cylinder_pressure"), CYLINDER, () => look.signal, [[0, "0"], [3.8e5 / CYLINDER, "3.8"]]);
   const most = Math.max(COUPLER, 1e5 * Math.ceil(Math.max(0, ...train.pushed, ...train.pulled) / 1e5)), kilo = most / 1e3;
   const marks = [[0, "0"], [1, `+${kilo}`], [-1, `-${kilo}`]];
