@@ -38,7 +38,6 @@ CONTROLS = {
     "parking_brake": Control(True, "KeyJ", "KeyK", "J K"),
     "bail_off": Control(False, "", "Slash", "/"),
     "vigilance": Control(False, "", "KeyZ", "Z"),
-    "penalty": Control(True, "", "", ""),
 }
 
 

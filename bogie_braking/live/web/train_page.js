@@ -83,7 +83,7 @@ function show(all = true) {
 function gauges(train) {
   const bar = (name) => `${(train.pressure(name)[0] / 1e5).toFixed(1)} bar`, { consist, front, controls } = train;
   const parts = [`pipe ${bar("pipe_pressure")}`, `cylinders ${bar("cylinder_pressure")}`];
-  if (DATA.outputs.includes("main_reservoir_pressure")) parts.push(`main reservoir ${bar("main_reservoir_pressure")}`);
+  if (DATA.outputs.includes("main_reservoir_pressure") && train.pressure("main_reservoir_pressure")[0] > 0) parts.push(`main reservoir ${bar("main_reservoir_pressure")}`);
   for (const [name, word] of Object.entries(WARNINGS)) if (DATA.outputs.includes(name) && train.output(name)[0]) parts.push(word);
   if (controls.traction) parts.push(`motors ${(train.output("traction_force").reduce((a, b) => a + b, 0) / 1e3).toFixed(0)} kN`);
   const limit = consist.limitBetween(train.rear, front);
