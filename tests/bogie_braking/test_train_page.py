@@ -57,7 +57,7 @@ HAVE = {name: [1.0] + [0.0] * 10 for name in ("traction", "dynamic_brake")}
 HAVE["track_brake"] = [0.0] + [1.0] * 3 + [0.0] * 7
 #: Relative difference of browser and Python: none with equal mathematical libraries.
 ALIKE = 1e-12
-#: Least speed relative to real time of 101 vehicles in a browser on a busy computer; alone it is 150.
+#: Least speed relative to real time of 101 vehicles in a browser on a busy computer; it reached 16 to 150.
 LEAST_PACE = 5.0
 
 
