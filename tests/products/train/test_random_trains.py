@@ -77,7 +77,7 @@ def train_of(draw: np.random.Generator) -> Train:
     # One cell in all would be a resonator without friction: its air swings far above the supply.
     cells = [1.0, 1.0, 2.0, *([0.5] if len(rows) > 2 else [])]
     settings = Settings(str(draw.choice(models)), cells=float(draw.choice(cells)))
-    start = {"pipe": draw.choice([0.0, 500e3, draw.uniform(0.0, SUPPLY)]), "cylinder": draw.choice([0.0, 380e3])}
+    start = {"pipe": draw.choice([0.0, 500e3, draw.uniform(5e3, SUPPLY)]), "cylinder": draw.choice([0.0, 380e3])}
     return Train(consist_of(rows), speed=draw.uniform(-10.0, 60.0), line=line, settings=settings, **start)
 
 
