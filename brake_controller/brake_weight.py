@@ -255,6 +255,10 @@ def force_of_percentage(percentage: float, turning_mass: float, assessment: Asse
 SPEEDS = np.linspace(0.0, FROM_100.speed, 401)
 
 
+#: Further forces of a vehicle at SPEEDS [N]: none.
+NOTHING = np.zeros(SPEEDS.size)
+
+
 def braking_way(force: NDArray[np.float64], turning_mass: float, resistance: Sequence[float]) -> float:
     """Return the braking distance [m], int m v / F dv (EN 14531-1).
 
@@ -265,29 +269,37 @@ def braking_way(force: NDArray[np.float64], turning_mass: float, resistance: Seq
     return float(np.trapezoid(turning_mass * SPEEDS / whole, SPEEDS))
 
 
-def check_percentage(percentage: float, turning_mass: float, resistance: Sequence[float]) -> None:
-    """Check that a percentage [%] needs a brake (UIC 544-1), 1e-3 of the mean force at least. Raises ValueError."""
+def check_percentage(
+    percentage: float, turning_mass: float, resistance: Sequence[float], beside: NDArray[np.float64] = NOTHING
+) -> None:
+    """Check that a percentage [%] needs a brake (UIC 544-1), 1e-3 of the mean force at least. Raises ValueError.
+
+    beside: further forces at SPEEDS [N].
+    """
     mean = force_of_percentage(percentage, turning_mass, FROM_100)
     way = turning_mass * FROM_100.speed**2 / (2 * mean)
-    if braking_way(np.full(SPEEDS.size, 1e-3 * mean), turning_mass, resistance) <= way:
+    if braking_way(1e-3 * mean + beside, turning_mass, resistance) <= way:
+        others, what = (" and magnets", "they stop") if beside.any() else ("", "the resistance stops")
         raise ValueError(
-            f"lambda must be above that of the running resistance alone; got {percentage:g} %, and the resistance stops"
+            f"lambda must be above that of the running resistance{others} alone; got {percentage:g} %, and {what}"
             " the vehicle in a shorter distance. Increase lambda, or decrease the resistance."
         )
 
 
-def force_beside(resistance: Sequence[float], percentage: float, turning_mass: float) -> float:
+def force_beside(
+    resistance: Sequence[float], percentage: float, turning_mass: float, beside: NDArray[np.float64] = NOTHING
+) -> float:
     """Return the constant force [N] that gives a vehicle a brake weight percentage [%] beside its resistance.
 
     A percentage is assessed by a stopping distance from 100 km/h, to which the running resistance a + b v + c v^2
-    belongs (UIC 544-1). turning_mass [kg]: with that of the rotation.
+    belongs (UIC 544-1). turning_mass [kg]: with that of the rotation; beside: further forces at SPEEDS [N].
     """
     mean = force_of_percentage(percentage, turning_mass, FROM_100)
     way = turning_mass * FROM_100.speed**2 / (2 * mean)
 
     def too_long(force: float) -> float:
-        return braking_way(np.full(SPEEDS.size, force), turning_mass, resistance) - way
+        return braking_way(force + beside, turning_mass, resistance) - way
 
-    check_percentage(percentage, turning_mass, resistance)
+    check_percentage(percentage, turning_mass, resistance, beside)
     least = 0.2 * mean if too_long(0.2 * mean) > 0.0 else 1e-3 * mean
     return float(brentq(too_long, least, 1.001 * mean))

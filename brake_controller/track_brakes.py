@@ -7,7 +7,10 @@ on the vehicle are not modelled.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from brake_controller.air import AMBIENT
 from brake_controller.build_up import LEAST, ramped
@@ -29,6 +32,8 @@ EDDY_SPEED = 100.0 / KILOMETRES_PER_HOUR
 PIPE = 3e5
 #: Time of the rise to the whole force, and of its fall [s]. Assumed.
 RISE = 1.0
+#: Step in which no rise is seen [s].
+LONG = 1e9
 #: Command of a vehicle's track brakes, absolute pressure of its pipe [Pa]; shares of attraction and of excitation
 #: before a step, and the length of the step [s].
 ORDERED = ("share", "pipe", "lowered", "excited", "step")
@@ -93,3 +98,11 @@ def track_braking() -> ca.Function:
     x = fast / ca.fmax(p["eddy_speed"], LEAST)
     force = attracted * friction * p["magnetic_attraction"] + excitation * p["eddy_force"] * 2 * x / (1 + x**2)
     return function_of("track_braking", [speed, order, given], ca.vertcat(force, lowered, excited))
+
+
+def lowered_magnets(track: TrackBrakes, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the force of lowered magnets at speeds [N], mu F with Coulomb's friction as in `track_braking`."""
+    alone = [*replace(track, eddy_force=0.0).values().values()]
+    orders = np.tile([[1.0], [AMBIENT], [0.0], [0.0], [LONG]], speeds.size)
+    found = track_braking().map(speeds.size)(speeds[np.newaxis], orders, np.tile(np.c_[alone], speeds.size))
+    return np.asarray(found)[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+from readers.column_names import ALIKE
 from readers.renamed import present_name
 
 #: The most names that a message lists.
@@ -16,6 +17,6 @@ def suggestion(name: str, known: Iterable[str], otherwise: str = "") -> str:
     names = list(known)
     if new := present_name(str(name), names):
         return f"its name is {new} now."
-    near = difflib.get_close_matches(str(name), names, 1)
+    near = difflib.get_close_matches(str(name), names, 1, ALIKE)
     more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
     return f"did you mean {near[0]}?" if near else otherwise or f"there are {', '.join(names[:MOST_NAMES])}{more}."

@@ -18,6 +18,7 @@ from products.braked_vehicle import TIMED, TIMED_DISCS
 from products.machine import APPLICATION_TIME, FULL_PRESSURE, RELEASE_TIME, coach_brake, of_pads
 from products.train.brake_columns import CYLINDER
 from products.train.consist_columns import NUMBERS
+from products.train.row_statements import percentage_of
 from products.vehicle_entries import choice_of, number_of
 from readers.column_words import with_columns
 from readers.quantity import Quantity, by_name
@@ -39,19 +40,27 @@ RELEASED = 40e3
 #: Speed from which pads on cold discs have the stated friction on average over the distance [m/s].
 ASSESSED = 120.0 / 3.6
 #: Entries that state the brake; a file has those of one line.
-STATEMENTS = (("deceleration",), ("percentage",), ("force",), ("cylinder_diameter", "cylinders", "rigging_ratio"))
+STATEMENTS = (
+    ("deceleration",),
+    ("percentage",),
+    ("brake_weight",),
+    ("force",),
+    ("cylinder_diameter", "cylinders", "rigging_ratio"),
+)
 
 
 def _as_in_consists(name: str, column: str, text: str) -> Quantity:
     """Return an entry in SI units with the limits of a column of consists, which states the same in its own unit."""
     of_row = NUMBERS[column]
     unit, scale = ("%", 1.0) if of_row.unit == "%" else (SI.get(of_row.unit, of_row.unit), of_row.scale)
-    return Quantity(name, unit, scale * of_row.least, scale * of_row.most, text, of_row.whole)
+    least = max(of_row.least, of_row.above_0)
+    return Quantity(name, unit, scale * least, scale * of_row.most, text, of_row.whole)
 
 
 BRAKE_ENTRIES = by_name(
     _as_in_consists("deceleration", "deceleration", "of the full brake on a dry rail, after build-up"),
     _as_in_consists("percentage", "lambda", "or lambda: brake weight percentage (UIC 544-1, from 100 km/h)"),
+    _as_in_consists("brake_weight", "brake_weight", "lambda times the mass (UIC 544-1)"),
     _as_in_consists("force", "brake_force", "of the full brake at the rims of all wheelsets"),
     _as_in_consists("cylinder_diameter", "cylinder_diameter", "of each cylinder"),
     _as_in_consists("cylinders", "cylinders", "cylinders of the vehicle"),
@@ -118,10 +127,11 @@ def brake_of_sheet(
     axles: int,
     radius: float,
     resistance: Sequence[float] = (0.0, 0.0, 0.0),
+    mass: float = math.nan,
 ) -> SheetBrake:
     """Return the brake of each wheelset from the table [brake] of a file.
 
-    Takes turning_mass [kg], radius [m], resistance [SI].
+    Takes turning_mass, that with the rotating parts, and mass [kg], radius [m], resistance [SI].
     """
     acts_on = choice_of(("treads", "discs"), table.get("acts_on", "treads"), "[brake] acts_on", "Choose one.")
     given = {
@@ -139,7 +149,7 @@ def brake_of_sheet(
     pressure = given.get("full_pressure", FULL_PRESSURE)
     arm = given.get("friction_radius", axle_discs().friction_radius) if acts_on == "discs" else radius
     friction = given.get("friction", MEAN_PAD_FRICTION if acts_on == "discs" else SHOE_FRICTION)
-    force = _force(given, stated, turning_mass, resistance)
+    force = _force(given, stated, turning_mass, resistance, mass)
     rigging = _rigging(given, stated, pressure, axles, friction * arm, force * radius)
     timed = {
         "application_time": given.get("application_time", APPLICATION_TIME),
@@ -164,7 +174,7 @@ def _to_5_percent(release_time: float, pressure: float) -> float:
 def _statement(given: Mapping[str, float]) -> tuple[str, ...]:
     """Return the entries that state the brake. Raises ValueError unless they are those of one line of STATEMENTS."""
     found = [those for those in STATEMENTS if any(key in given for key in those)]
-    choice = "deceleration, percentage, force, or cylinder_diameter with cylinders and rigging_ratio"
+    choice = "deceleration, percentage, brake_weight, force, or cylinder_diameter with cylinders and rigging_ratio"
     if len(found) != 1:
         got = " and ".join(next(key for key in those if key in given) for those in found) or "none"
         raise ValueError(f"[brake] must be stated once, by {choice}; got {got}.")
@@ -184,13 +194,19 @@ def _law(table: Mapping[str, Any], acts_on: str) -> int:
 
 
 def _force(
-    given: Mapping[str, float], stated: tuple[str, ...], turning_mass: float, resistance: Sequence[float]
+    given: Mapping[str, float],
+    stated: tuple[str, ...],
+    turning_mass: float,
+    resistance: Sequence[float],
+    mass: float,
 ) -> float:
     """Return the force at all rims [N]; 0 with cylinder data, which give it by themselves."""
     if stated == ("deceleration",):
         return given["deceleration"] * turning_mass
     if stated == ("percentage",):
         return force_beside(resistance, given["percentage"], turning_mass)
+    if stated == ("brake_weight",):
+        return force_beside(resistance, percentage_of(1e-3 * given["brake_weight"], 1e-3 * mass), turning_mass)
     return given.get("force", 0.0)
 
 

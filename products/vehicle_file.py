@@ -263,7 +263,7 @@ def _braked(sheet: DataSheet, table: Mapping[str, Any]) -> DataSheet:
     own = sheet.parameters
     turning = sheet.mass + sheet.axles * own.wheelset_pitch_inertia / own.wheel_radius**2
     running = [sheet.resistance.get(name, 0.0) for name, _ in RESISTANCE.values()]
-    brake = brake_of_sheet(table, turning, sheet.axles, own.wheel_radius, running)
+    brake = brake_of_sheet(table, turning, sheet.axles, own.wheel_radius, running, sheet.mass)
     return replace(sheet, brake=brake, assumed={**sheet.assumed, **brake.assumed})
 
 

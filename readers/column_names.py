@@ -9,7 +9,10 @@ from collections.abc import Collection, Mapping, Sequence
 from readers.column_words import column_meant, false_friend
 from readers.columns import Column, Place, TableError, unit_factor
 from readers.text import BLANK, LONGEST_ROW, quoted, shown
+from readers.units import unit_like
 
+#: Likeness of names from which a message suggests one: below it are other words, such as axle and valve.
+ALIKE = 0.7
 #: The most names of columns that a message lists.
 MOST_NAMES = 20
 #: Further columns whose cells may be anything, as they are not used.
@@ -19,6 +22,8 @@ NUMBERED = re.compile(r".*[^\s\[\]]\[\d+\]")
 #: A name with its unit in square brackets, and a name with or without its unit in round ones.
 HEAD_SQUARE = re.compile(r"(?P<name>[^\[\]]+(?:\[\d+\][^\[\]]*)*)\[(?P<unit>[^\[\]]*)\]")
 HEAD_ROUND = re.compile(r"(?P<name>[^\[\]()]+)(\((?P<unit>[^()]*)\))?")
+#: A name and a unit behind a slash, a comma, blanks, an underscore or the word "in".
+BEHIND = re.compile(r"(?P<name>.*?\w)(\s+in\s+|\s*[/,]\s*|[\s_]+)(?P<unit>[^\s,]+)", re.IGNORECASE)
 BLANK_RUN = re.compile(f"[{BLANK}]+")
 #: Characters that are equal to an underscore in names.
 GAP = re.compile(rf"[{BLANK}_-]+")
@@ -47,6 +52,8 @@ def layout_of(
     """Return the columns of a file by its row of names; others: whether it may have further ones, or TEXT."""
     known = {tidy(column.name): column for column in columns}
     parts = [(at, *name_and_unit(cell, place)) for at, cell in enumerate(cells) if cell]
+    if any(column.as_written for column in columns):
+        parts = [(at, *_as_written(name, unit, known, place)) for at, name, unit in parts]
     meant = {at: _meant(name, known, place) for at, name, _ in parts}
     if by_position and not any(meant.values()):
         return columns_in_order(place, columns, [unit for _, _, unit in parts])
@@ -58,11 +65,13 @@ def layout_of(
         if column is None and others == TEXT:
             column, unit = Column(name, filled=False, text=True, longest=LONGEST_ROW), ""
         column = column or Column(name, unit or "1")
-        if tidy(column.name) in found:
-            raise TableError(
-                f"{place}: the column {shown(column.name)} must be there once; it is there twice. Remove one."
-            )
         word = "" if tidy(name) == tidy(column.name) else name
+        if (same := found.get(tidy(column.name))) is not None:
+            words = " and ".join(quoted(one or column.name) for one in (same.word, word)) if same.word or word else ""
+            raise TableError(
+                f"{place}: the column {shown(column.name)} must be there once; it is there twice"
+                f"{f', as {words}' if words else ''}. Remove one."
+            )
         found[tidy(column.name)] = Place(at, column, unit_factor(column, unit, place), word)
     missing = [column.name for key, column in known.items() if column.required and key not in found]
     if missing:
@@ -71,6 +80,20 @@ def layout_of(
         add = "it" if len(missing) == 1 else "them"
         raise TableError(f"{place}: the {lacks} missing; there are {quoted(there, 200)}. Add {add}.")
     return list(found.values())
+
+
+def _as_written(name: str, unit: str, known: Mapping[str, Column], place: str) -> tuple[str, str]:
+    """Return name and unit of a column whose unit may be behind its name, or in another case.
+
+    Brackets behind a column of words may have some of these.
+    """
+    column = _meant(name, known, place)
+    if column is not None and column.holds_words and unit:
+        return name, "" if all(column.word_of(one) for one in re.split(r"[/,|;\s]+", unit)) else unit
+    behind = BEHIND.fullmatch(name) if column is None and not unit else None
+    if behind and _meant(behind["name"], known, place) and unit_like(behind["unit"]):
+        return behind["name"], unit_like(behind["unit"])
+    return name, unit_like(unit) or unit
 
 
 def _meant(name: str, known: Mapping[str, Column], place: str) -> Column | None:
@@ -97,7 +120,7 @@ def advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
     """Return the end of the message for an unknown column: the nearest of the known tidy names, or the first."""
     if sentence := false_friend(name):
         return sentence
-    near = difflib.get_close_matches(tidy(name)[:100], list(known), 1)
+    near = difflib.get_close_matches(tidy(name)[:100], list(known), 1, ALIKE)
     if near:
         return f"Did you mean {near[0]}?"
     names = [column.name for column in columns]

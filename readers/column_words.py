@@ -1,10 +1,10 @@
-"""German and French names of columns and entries, one table for all readers.
+"""German, French and further English names of columns and entries, one table for all readers.
 
 The words are those of UIC 530, 540 and 544-1, of DIN EN 13803, 14531-1 and 15663, and of data sheets. Only words of the
-same quantity are here. Bremsgewicht and masse freinée are left out, because they are masses and not percentages. So is
-Tara in consists, whose `mass` includes the load. Gefälle and pente are positive downwards. Lines have a curvature and
-not a radius. Lines and tracks have a factor on the friction and not a Reibwert. Kilometrierung and point kilométrique
-are in kilometres, and columns without a unit in metres.
+same quantity are here. A brake sheet's Bremsart is the position of the brake, and its Gewicht the mass with the load.
+Gefälle and pente are positive downwards. Lines have a curvature and not a radius. Lines and tracks have a factor on the
+friction and not a Reibwert. Kilometrierung and point kilométrique are in kilometres, and columns without a unit in
+metres. Words in cells: `cell_words.py`.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ _CURVES = {
     "preload": (("Vorspannkraft",), ("précontrainte",)),
     "stroke": (("Hub",), ("course maximale",)),
 }
-Words = tuple[tuple[str, ...], tuple[str, ...]]
-#: Words by name of the column: German, French.
+Words = tuple[tuple[str, ...], ...]
+#: Words by name of the column: German, French, English.
 COLUMN_WORDS: dict[str, Words] = {
     # Lines and tracks
     "time": (("Zeit",), ("temps",)),
@@ -60,14 +60,35 @@ COLUMN_WORDS: dict[str, Words] = {
     "left": (("links",), ("gauche",)),
     "right": (("rechts",), ("droite",)),
     # Vehicles
-    "kind": (("Fahrzeugart",), ("type de véhicule",)),
-    "name": (("Bezeichnung",), ("nom", "désignation")),
-    "count": (("Anzahl", "Anzahl Fahrzeuge"), ("nombre", "nombre de véhicules")),
-    "axles": (("Achszahl", "Anzahl Radsätze"), ("nombre d'essieux", "essieux")),
+    "kind": (("Fahrzeugart", "Art", "Wagenart"), ("type de véhicule", "nature"), ("vehicle type", "car type", "type")),
+    "name": (
+        ("Bezeichnung", "Wagennummer", "Fahrzeugnummer"),
+        ("nom", "désignation", "numéro de wagon", "numéro du véhicule"),
+        ("vehicle number", "car number", "wagon number"),
+    ),
+    "count": (("Anzahl", "Anzahl Fahrzeuge", "Stückzahl"), ("nombre", "nombre de véhicules"), ("quantity",)),
+    "axles": (
+        ("Achszahl", "Anzahl Radsätze", "Achsen", "Anzahl Achsen"),
+        ("nombre d'essieux", "essieux"),
+        ("axle count", "number of axles"),
+    ),
+    "number": (("Nr", "lfd. Nr", "laufende Nummer", "Reihung"), ("n°", "numéro", "rang"), ("no", "pos")),
+    "remark": (("Bemerkung", "Bemerkungen"), ("remarque", "observations"), ("remarks", "comment", "comments", "note")),
+    "class": (("Gattung", "Gattungszeichen"), ("série",)),
+    "train_type": (("Zugart",), ("type de train",)),
+    "top_speed": (("Höchstgeschwindigkeit", "vmax"), ("vitesse maximale",), ("maximum speed", "max speed")),
     "tare": (("Eigengewicht", "Eigenmasse", "Leermasse", "Tara"), ("masse à vide",)),
-    "load": (("Ladung", "Zuladung", "Lademasse", "Ladegewicht"), ("charge", "chargement")),
-    "mass": (("Masse", "Gesamtmasse", "Gesamtgewicht"), ("masse", "masse totale", "poids total")),
-    "length": (("Länge", "Länge über Puffer", "LüP"), ("longueur", "longueur hors tampons")),
+    "load": (("Ladung", "Zuladung", "Lademasse", "Ladegewicht"), ("charge", "chargement"), ("lading",)),
+    "mass": (
+        ("Masse", "Gesamtmasse", "Gesamtgewicht", "Gewicht"),
+        ("masse", "masse totale", "poids total", "poids"),
+        ("weight", "gross weight", "total weight", "gross mass", "gross rail load"),
+    ),
+    "length": (
+        ("Länge", "Länge über Puffer", "LüP"),
+        ("longueur", "longueur hors tampons"),
+        ("length over buffers", "length over couplers"),
+    ),
     "rotating": (("Zuschlag rotierende Massen",), ("majoration masses tournantes",)),
     "rotating_mass": (("rotierende Masse",), ("masse tournante",)),
     "resistance_a": (("Fahrwiderstand a",), ("résistance à l'avancement a",)),
@@ -80,7 +101,13 @@ COLUMN_WORDS: dict[str, Words] = {
     "wheel_base": (("Achsstand im Drehgestell", "Drehgestellachsstand"), ("empattement du bogie",)),
     "coupler_height": (("Kupplungshöhe",), ("hauteur d'attelage",)),
     # Brakes
-    "lambda": (("Bremshundertstel", "Brh"), ("pourcentage de freinage", "pourcentage de masse freinée")),
+    "lambda": (
+        ("Bremshundertstel", "Brh"),
+        ("pourcentage de freinage", "pourcentage de masse freinée"),
+        ("brake weight percentage", "braked weight percentage"),
+    ),
+    "brake_weight": (("Bremsgewicht",), ("masse freinée", "poids-frein"), ("braked weight", "braked mass")),
+    "net_braking_ratio": ((), (), ("NBR", "braking ratio")),
     "deceleration": (("Verzögerung", "Bremsverzögerung"), ("décélération",)),
     "brake_force": (("Bremskraft",), ("effort de freinage", "force de freinage")),
     "shoe_force": (("Gesamtklotzkraft",), ("effort total des sabots",)),
@@ -105,15 +132,23 @@ COLUMN_WORDS: dict[str, Words] = {
     "auxiliary": (("Hilfsluftbehälter",), ("réservoir auxiliaire",)),
     "cylinder": (("Bremszylindervolumen",), ("volume du cylindre", "volume des cylindres")),
     "pipe_diameter": (("Durchmesser Hauptluftleitung",), ("diamètre conduite générale",)),
-    "brake": (("Bremsart",), ("type de frein",)),
+    "brake": (("Bremsbauart", "Bauart der Bremse"), ("type de frein",), ("brake type",)),
     "distributor": (("Steuerventil",), ("distributeur",)),
-    "position": (("Bremsstellung",), ("régime de freinage",)),
+    "position": (
+        tuple(f"{word}{choice}" for word in ("Bremsstellung", "Bremsart") for choice in ("", " R/P/G", " P/G")),
+        ("régime de freinage", "régime", "régime de frein"),
+        ("brake position", "brake regime"),
+    ),
+    "weighing": (("Lastabbremsung",), ()),
     "valve": (("Führerbremsventil",), ("robinet de mécanicien",)),
     "dead_time": (("Totzeit",), ("temps mort",)),
     "dynamic_force": (("elektrische Bremskraft",), ("effort de freinage électrique",)),
     "dynamic_power": (("elektrische Bremsleistung",), ("puissance de freinage électrique",)),
     "traction_force": (("Zugkraft", "Anfahrzugkraft"), ("effort de traction",)),
     "traction_power": (("Antriebsleistung",), ("puissance de traction",)),
+    "traction_table": (("Zugkraftkennlinie",), ("courbe d'effort de traction",)),
+    "magnetic_attraction": (("Haftkraft der Magnete",), ("force d'attraction des patins",)),
+    "eddy_force": (("Wirbelstrombremskraft",), ("effort du frein à courants de Foucault",)),
     "wheel_mass": (("Radmasse",), ("masse de roue",)),
     "wheels": (("Anzahl gebremster Räder",), ("nombre de roues freinées",)),
     "disc_mass": (("Bremsscheibenmasse",), ("masse du disque",)),
@@ -155,12 +190,15 @@ def words_of(column: str) -> tuple[str, ...]:
 
 #: Remedies for words that look like those of a column, where they are none.
 FALSE_FRIENDS = {
-    "bremsgewicht": "A brake weight must be a percentage here, of the mass: Bremshundertstel.",
-    "masse_freinee": "A braked mass must be a percentage here, of the mass: pourcentage de freinage.",
+    **{
+        f"{word}_{position}": "A vehicle must have one brake weight, that of its position: brake_weight."
+        for word in ("bremsgewicht", "masse_freinee", "brake_weight", "braked_weight")
+        for position in ("p", "g", "r", "r_mg")
+    },
+    "reibradius": "A radius of pads must be a share of the wheel's here: friction_radius.",
     "gefaelle": "A fall must be a gradient here, which is positive upwards: Neigung.",
     "pente": "A fall must be a gradient here, which is positive upwards: déclivité.",
     "beladung": "A load must be a mass here: Ladung.",
-    **dict.fromkeys(("tare", *words_of("tare")), "A mass must include the load here: mass, Gesamtmasse."),
     **dict.fromkeys(
         ("radius", *words_of("radius")), "A radius must be a curvature here, 1 / radius, above 0 to the left."
     ),
@@ -174,17 +212,19 @@ COLUMNS_OF = {
 
 
 def column_meant(name: str, known: Collection[str]) -> str | None:
-    """Return the known column that a German or French name means, or None. Raises ValueError if it means several."""
+    """Return the known column that a word means as a name, or None. Raises ValueError if it means several."""
     found = [column for column in COLUMNS_OF.get(plain(name), ()) if column in known]
     if len(found) > 1:
         raise ValueError(f"the name {quoted(name)} can be {' or '.join(found)}. Write one of these.")
     return found[0] if found else None
 
 
-def with_columns(table: Mapping[str, Any], known: Collection[str]) -> dict[str, Any]:
+def with_columns(
+    table: Mapping[str, Any], known: Collection[str], notes: dict[str, None] | None = None
+) -> dict[str, Any]:
     """Return a table with the names of columns instead of German and French ones.
 
-    Raises ValueError if a column is named twice.
+    Adds a message to the notes for each name that is read as another. Raises ValueError if a column is named twice.
     """
     found: dict[str, Any] = {}
     for name, value in table.items():
@@ -194,7 +234,14 @@ def with_columns(table: Mapping[str, Any], known: Collection[str]) -> dict[str, 
                 f"{column} must be given once; it is there twice, also as {quoted(str(name))}. Remove one."
             )
         found[column] = value
+        if notes is not None and column != name:
+            notes[read_as(str(name), column)] = None
     return found
+
+
+def read_as(name: str, column: str) -> str:
+    """Return the message of an account about a name that is read as a column."""
+    return f"column {quoted(name)} is read as {column}"
 
 
 def false_friend(name: str) -> str:

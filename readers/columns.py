@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from readers.column_words import plain
 from readers.decimal_numbers import MINUS, NUMBER
 from readers.text import FileError, quoted, shown
-from readers.units import different_units, factor, quantity_of
+from readers.units import AMBIGUOUS, different_units, factor, quantity_of, unit_like
 from readers.usual import likely_unit
 
 #: Largest number of characters in a cell, for columns of free text without a limit of their own.
@@ -21,6 +22,8 @@ LONGEST_TEXT = 60
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
 #: Cells that Python's float reads as they are meant.
 PLAIN = re.compile(r"[0-9eE+.-]*", re.ASCII)
+#: A number with a unit behind it.
+WITH_UNIT = re.compile(rf"(?P<number>{NUMBER.pattern})\s*(?P<unit>[^\s\d+.,-].*)", re.ASCII)
 
 
 class TableError(FileError):
@@ -53,6 +56,11 @@ class Column:
         Words that are not allowed, and what a message says to do instead.
     longest : int
         Largest number of characters in a cell of such a column.
+    meanings : tuple of (str, str)
+        Further spellings of words, as `plain` returns them, each with its word.
+    as_written : bool
+        Whether files may write it as people do: a unit after the name without brackets or after the number in a
+        cell, units and words in any case.
     """
 
     name: str
@@ -66,6 +74,18 @@ class Column:
     text: bool = False
     remedies: tuple[tuple[str, str], ...] = ()
     longest: int = LONGEST_TEXT
+    meanings: tuple[tuple[str, str], ...] = ()
+    as_written: bool = False
+
+    def word_of(self, cell: str) -> str | None:
+        """Return the allowed word of a cell, None if it has none."""
+        if cell in self.words:
+            return cell
+        return (
+            {**dict(self.meanings), **{plain(word): word for word in self.words}}.get(plain(cell))
+            if (self.as_written)
+            else None
+        )
 
     @property
     def holds_words(self) -> bool:
@@ -96,6 +116,11 @@ class Place:
         return bool(inside and (not self.column.whole or np.all(values == np.floor(values))))
 
 
+def word_read_as(cell: str, name: str, word: str) -> str:
+    """Return the message of an account about a cell that is read as another word."""
+    return f"{quoted(cell)} is read as {name} = {word}"
+
+
 def unit_factor(column: Column, unit: str, place: str) -> tuple[float, float]:
     """Return the factor from a unit of a file to the column's, as `factor` returns it. Raises TableError."""
     if column.holds_words and unit:
@@ -105,6 +130,10 @@ def unit_factor(column: Column, unit: str, place: str) -> tuple[float, float]:
     if not unit or unit == column.unit:
         return 1.0, 1.0
     both = factor(unit, column.unit)
+    if both is None and unit.casefold() in AMBIGUOUS:
+        raise TableError(
+            f"{place}: the unit {quoted(unit)} of {shown(column.name)} can be several. {AMBIGUOUS[unit.casefold()]}"
+        )
     if both is None:
         kind = "unknown" if quantity_of(unit) is None else "of another quantity"
         units = ", ".join(different_units(column.unit))
@@ -173,10 +202,10 @@ class Cells:
             if self.column.text and (len(cell) > self.column.longest or not cell.isprintable()):
                 limit = f"the text must be printable, at most {self.column.longest} characters"
                 raise self.refusal(row, f"{limit}; got {quoted(cell)}. Shorten it.")
-            if not self.column.text and cell not in choice and (cell or self.column.filled):
-                remedy = dict(self.column.remedies).get(cell, "Choose one.")
+            if not self.column.text and self.column.word_of(cell) is None and (cell or self.column.filled):
+                remedy = dict(self.column.remedies).get(plain(cell), "Choose one.")
                 raise self.refusal(row, f"the value must be one of {', '.join(choice)}; got {quoted(cell)}. {remedy}")
-        return list(cells)
+        return [self.column.word_of(cell) or cell for cell in cells]
 
     def numbers(self, cells: Sequence[str], mark: DecimalMark) -> NDArray[np.float64]:
         """Return the numbers of the column in its unit. Raises TableError if one is not valid."""
@@ -218,17 +247,29 @@ class Cells:
     def _number(self, row: int, cell: str, mark: DecimalMark) -> float:
         if not cell and not self.column.filled:
             return math.nan
-        plain = cell.replace(MINUS, "-")
-        if not NUMBER.fullmatch(plain):
+        number, (up, down) = self._parts(row, cell.replace(MINUS, "-"))
+        if not NUMBER.fullmatch(number):
             wrong = "the cell is empty" if not cell else f"got {quoted(cell)}"
             raise self.refusal(row, f"the value must be a number; {wrong}. Write it as 0.015 or 1.5e-2.")
-        if "." in plain or "," in plain:
-            mark.check(plain, int(self.places[row]), self.column.name)
-            plain = plain.replace(",", ".")
-        value = float(plain)
+        if "." in number or "," in number:
+            mark.check(number, int(self.places[row]), self.column.name)
+            number = number.replace(",", ".")
+        value = float(number) * up / down
         if not math.isfinite(value):
             raise self.refusal(row, f"the value must be below 1.8e308 in size; got {quoted(cell)}. Check it.")
         return value
+
+    def _parts(self, row: int, cell: str) -> tuple[str, tuple[float, float]]:
+        """Return the number of a cell, and the factor of a unit behind it to the unit of the file."""
+        match = WITH_UNIT.fullmatch(cell) if self.column.as_written else None
+        if match is None:
+            return cell, (1.0, 1.0)
+        unit = match["unit"].strip()
+        try:
+            up, down = unit_factor(self.column, unit_like(unit) or unit, self.source)
+        except TableError as error:
+            raise self.refusal(row, str(error).removeprefix(f"{self.source}: ")) from None
+        return match["number"], (up * self.place.factor[1], down * self.place.factor[0])
 
     def _limits(self) -> str:
         low, high, unit = self.column.minimum, self.column.maximum, self._of_unit(self.column.unit)

@@ -19,8 +19,8 @@ from readers.decimal_numbers import is_decimal
 from readers.log_columns import Head, LogColumn, head_of, time_of
 from readers.log_text import MISSING, MOST_ROWS, SAMPLE
 from readers.log_times import Times, TimesPlace, times_of, times_of_array
-from readers.log_words import unit_like
 from readers.text import FileError, quoted, shown
+from readers.units import unit_like
 
 #: Most values of the columns that are used.
 MOST_VALUES = 250_000_000

@@ -19,13 +19,13 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from readers.column_names import HEAD_ROUND, HEAD_SQUARE, tidy
+from readers.column_names import BEHIND, HEAD_ROUND, HEAD_SQUARE, tidy
 from readers.columns import TableError
 from readers.decimal_numbers import number_of
-from readers.log_words import BEHIND, meant, plain, suffixed, unit_like
+from readers.log_words import meant, plain, suffixed
 from readers.text import BLANK, quoted, shown
 from readers.toml_files import toml_of
-from readers.units import factor, quantity_of
+from readers.units import factor, quantity_of, unit_like
 
 #: Smallest and largest diameter of a wheel [m].
 DIAMETERS = (0.2, 2.5)

@@ -14,9 +14,9 @@ from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableE
 from readers.decimal_numbers import is_decimal
 from readers.log_columns import Head, LogColumn, head_of
 from readers.log_times import Times, TimesPlace, times_of
-from readers.log_words import unit_like
 from readers.tables import Begin, TableRows, begin_of
 from readers.text import quoted, text_of
+from readers.units import unit_like
 
 #: Words of a cell that stand for a missing value, in small letters.
 MISSING = {"", "nan", "n/a", "na", "#n/a", "#nv", "null", "none", "nil", "-", "--", "---", "?"}

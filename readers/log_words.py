@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from readers.column_words import plain as plain
 from readers.column_words import words_of
-from readers.units import SPELLINGS, quantity_of
+from readers.units import quantity_of
 
 #: Names of each quantity, words joined by underscores. Keys: names of variables, the first that exists is meant; if
 #: several exist, the name is ambiguous unless its unit decides.
@@ -88,17 +88,6 @@ SUFFIXES = {
     "torque": {"nm": "N.m", "knm": "kN.m"},
     "force": {"n": "N", "kn": "kN"},
 }
-#: A name and a unit behind a slash, a comma, blanks, an underscore or the word "in".
-BEHIND = re.compile(r"(?P<name>.*?\w)(\s+in\s+|\s*[/,]\s*|[\s_]+)(?P<unit>[^\s,]+)", re.IGNORECASE)
-#: Spellings of units by small letters, where that is unique.
-_ALL = [one for units in SPELLINGS.values() for one in units]
-UNITS = {one.casefold(): one for one in _ALL if sum(one.casefold() == other.casefold() for other in _ALL) == 1}
-
-
-def unit_like(text: str) -> str:
-    """Return the known spelling of a unit, whose case may differ if this is unique, or ""."""
-    bare = text.strip().strip("[]()")
-    return bare if quantity_of(bare) else UNITS.get(bare.casefold(), "")
 
 
 def numbered(words: str) -> tuple[str, int | None]:

@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from readers.column_names import columns_in_order, layout_of, name_and_unit, tidy
-from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError, unit_factor
+from readers.column_words import plain, read_as
+from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError, unit_factor, word_read_as
 from readers.decimal_numbers import is_decimal
 from readers.text import BLANK, LONGEST_ROW, lines_of, quoted, rows_in, shown, text_of
 
@@ -227,7 +228,14 @@ def separator_of_numbers(rows: Sequence[str]) -> str | None:
 
 
 def _meant(layout: Sequence[Place]) -> list[str]:
-    return [f"column {quoted(one.word)} is read as {one.column.name}" for one in layout if one.word]
+    return [read_as(one.word, one.column.name) for one in layout if one.word]
+
+
+def _words_meant(column: Column, cells: Iterable[str]) -> dict[str, None]:
+    """Return the readings of words that are written differently, each once."""
+    read = {cell: column.word_of(cell) for cell in cells if cell and not column.text}
+    other = {cell: word for cell, word in read.items() if word and plain(word) != plain(cell)}
+    return {word_read_as(cell, column.name, word): None for cell, word in other.items()}
 
 
 @dataclass(frozen=True)
@@ -288,17 +296,19 @@ class TableRows:
         self._check_names(layout, body)
         places = np.array([number for number, _ in body], np.int64)
         numbers, words, units = {}, {}, {}
+        meant = dict.fromkeys(_meant(layout))
         mark = DecimalMark(self.source)
         for one in layout:
             texts = [row[one.at] if one.at < len(row) else "" for _, row in body]
             cells_of_column = Cells(self.source, places, one)
             if one.column.holds_words:
                 words[one.column.name] = cells_of_column.words(texts)
+                meant |= _words_meant(one.column, texts)
             else:
                 numbers[one.column.name] = cells_of_column.numbers(texts, mark)
                 units[one.column.name] = one.column.unit
         mark.check_thousands(self.separator)
-        return Table(self.source, numbers, words, units, places, _meant(layout))
+        return Table(self.source, numbers, words, units, places, list(meant))
 
     def _check_names(self, layout: Sequence[Place], body: Sequence[tuple[int, list[str]]]) -> None:
         named = {one.at for one in layout}

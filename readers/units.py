@@ -79,6 +79,7 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
         "MN": (1_000_000, 1),
         "kgf": (980_665, 100_000),
         "lbf": (44_482_216_152_605, 10_000_000_000_000),
+        **dict.fromkeys(("kip", "kips", "klbf"), (44_482_216_152_605, 10_000_000_000)),
     },
     "force per speed": {
         "N/(m/s)": (1, 1),
@@ -141,7 +142,16 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
         "bar": (100_000, 1),
         "psi": (6_894_757_293_168, 1_000_000_000),
     },
-    "mass": {"kg": (1, 1), "t": (1000, 1), "g": (1, 1000)},
+    "mass": {
+        "kg": (1, 1),
+        "t": (1000, 1),
+        "g": (1, 1000),
+        **dict.fromkeys(("tonne", "tonnes", "Tonne", "Tonnen"), (1000, 1)),
+        **dict.fromkeys(("lb", "lbs"), (45_359_237, 100_000_000)),
+        "klb": (45_359_237, 100_000),
+        **dict.fromkeys(("t-us", "short ton", "short tons"), (90_718_474, 100_000)),
+        **dict.fromkeys(("t-uk", "long ton", "long tons"), (10_160_469_088, 10_000_000)),
+    },
     "volume": {"m3": (1, 1), "m\u00b3": (1, 1), "l": (1, 1000), "L": (1, 1000), "in3": (16_387_064, 1_000_000_000_000)},
     "power": {"W": (1, 1), "kW": (1000, 1), "MW": (1_000_000, 1), "hp": (74_569_987_158_227, 100_000_000_000)},
     "energy": {"J": (1, 1), "kJ": (1000, 1), "MJ": (1_000_000, 1)},
@@ -149,6 +159,11 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
     "celsius": {"degC": (1, 1), "\u00b0C": (1, 1)},
 }
 SPELLINGS = MappingProxyType(_SPELLINGS)
+#: Words for several units, in small letters, each with its remedy.
+AMBIGUOUS = dict.fromkeys(("ton", "tons"), "Write t, or t-us (907 kg), or t-uk (1016 kg).")
+_ALL = [one for units in _SPELLINGS.values() for one in units]
+#: Spellings by small letters, where that is unique.
+_BY_SMALL = {one.casefold(): one for one in _ALL if sum(one.casefold() == other.casefold() for other in _ALL) == 1}
 #: Two characters that look alike and mean micro.
 _GREEK_MU, _MICRO = "\u03bc", "\u00b5"
 
@@ -157,6 +172,12 @@ def quantity_of(unit: str) -> str | None:
     """Return the quantity that a unit measures, or None if the unit is unknown."""
     tidy = unit.strip(" ").replace(_GREEK_MU, _MICRO)
     return next((quantity for quantity, units in SPELLINGS.items() if tidy in units), None)
+
+
+def unit_like(text: str) -> str:
+    """Return the known spelling of a unit, whose case may differ if this is unique, or ""."""
+    bare = text.strip().strip("[]()")
+    return bare if quantity_of(bare) else _BY_SMALL.get(bare.casefold(), "")
 
 
 def factor(unit: str, target: str) -> tuple[float, float] | None:

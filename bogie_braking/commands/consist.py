@@ -16,6 +16,7 @@ from __future__ import annotations
 import argparse
 import json
 import textwrap
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -153,7 +154,11 @@ def _summary(found: Summary) -> str:
         f"brake weight {found.brake_weight:.1f} t, lambda {found.percentage:.0f} %"
     )
     parts = [first, "", *text_table([head, *rows], (0, 1)), "", *text_table([names, *numbers])]
-    return "\n".join([*parts, *_couplings(found), *(f"\n{remark}" for remark in found.remarks)])
+    return "\n".join([*parts, *_couplings(found), *_wrapped(found.remarks)])
+
+
+def _wrapped(remarks: Iterable[str]) -> list[str]:
+    return [line for remark in remarks for line in ("", *textwrap.wrap(remark, WIDTH))]
 
 
 def _couplings(found: Summary) -> list[str]:

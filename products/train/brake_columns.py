@@ -8,10 +8,18 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from brake_controller.air import AMBIENT
-from brake_controller.brake_weight import FROM_100, SPEEDS, braking_way, check_percentage, force_of_percentage
+from brake_controller.brake_weight import (
+    FROM_100,
+    NOTHING,
+    SPEEDS,
+    braking_way,
+    check_percentage,
+    force_of_percentage,
+)
 from brake_controller.distributors import ep_direct, kind_of
 from brake_controller.distributors.aar import (
     RETAINERS,
@@ -30,6 +38,7 @@ from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.registered import POSITIONS
 from brake_controller.distributors.uic import OF_UIC, UicDistributor, filling_time, release_time, with_times
 from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
+from brake_controller.track_brakes import lowered_magnets
 from brake_controller.vehicle_brake import (
     FORCELESS,
     FRACTIONS,
@@ -90,6 +99,7 @@ def _freight_car(values: Mapping[str, Any], freight_car: FreightCar) -> FreightC
 def brake_of(values: Mapping[str, Any], train_vehicle: TrainVehicle) -> VehicleBrake:
     """Return a vehicle's brake by a row."""
     pressure, friction = train_vehicle.distributor.full_pressure, friction_of(values)
+    beside = lowered_magnets(train_vehicle.track, SPEEDS) if values.get("position") == "R+Mg" else NOTHING
     usual = replace(train_vehicle.brake, shoes=values.get("shoes", train_vehicle.brake.shoes), **friction)
     law = bool(friction) and friction["friction_law"] != CONSTANT
     if "cylinder_diameter" in values:  # eqs (2.4) to (2.6)
@@ -113,8 +123,9 @@ def brake_of(values: Mapping[str, Any], train_vehicle: TrainVehicle) -> VehicleB
     if percentage is None:
         return usual
     if law:
-        return _sized_by(percentage, train_vehicle, friction, usual.shoes)
-    return braked_by(percentage, train_vehicle.mass, train_vehicle.resistance, train_vehicle.rotating_share, pressure)
+        return _sized_by(percentage, train_vehicle, friction, usual.shoes, beside)
+    turning = train_vehicle.mass, train_vehicle.resistance, train_vehicle.rotating_share
+    return braked_by(percentage, *turning, pressure, beside)
 
 
 def friction_of(values: Mapping[str, Any]) -> dict[str, float]:
@@ -154,18 +165,25 @@ def _standing_with(force: float, pressure: float, friction: Mapping[str, float],
 
 
 def _sized_by(
-    percentage: float, train_vehicle: TrainVehicle, friction: Mapping[str, float], shoes: float
+    percentage: float,
+    train_vehicle: TrainVehicle,
+    friction: Mapping[str, float],
+    shoes: float,
+    beside: NDArray[np.float64],
 ) -> VehicleBrake:
-    """Return a brake with a brake weight percentage [%] from 100 km/h, S = int m v / (F + R) dv (EN 14531-1)."""
+    """Return a brake with a brake weight percentage [%] from 100 km/h, S = int m v / (F + R) dv (EN 14531-1).
+
+    beside: further forces of the vehicle at SPEEDS [N].
+    """
     turning, pressure = (1 + train_vehicle.rotating_share) * train_vehicle.mass, train_vehicle.distributor.full_pressure
-    check_percentage(percentage, turning, train_vehicle.resistance)
+    check_percentage(percentage, turning, train_vehicle.resistance, beside)
     mean = force_of_percentage(percentage, turning, FROM_100)
     way = turning * FROM_100.speed**2 / (2 * mean)
 
     def excess(pressed: float) -> float:
         own = _pressed(pressed, pressure, friction, shoes)
         force = forces_of(own, np.full(SPEEDS.size, pressure), SPEEDS)
-        return way - braking_way(force, turning, train_vehicle.resistance)
+        return way - braking_way(force + beside, turning, train_vehicle.resistance)
 
     return _pressed(_root(excess, 1e-2 * mean, 200.0 * mean), pressure, friction, shoes)
 

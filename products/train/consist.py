@@ -13,6 +13,7 @@ from brake_controller.air import AMBIENT
 from brake_controller.brake_heat import NO_BRAKE_HEAT, BrakeHeat
 from brake_controller.brake_weight import (
     FROM_100,
+    NOTHING,
     SPEEDS,
     VEHICLE_BUILD_UP,
     braked_weight,
@@ -127,13 +128,15 @@ def braked_by(
     resistance: Sequence[float] = (0.0, 0.0, 0.0),
     rotating: float = ROTATING,
     pressure: float = 380e3,
+    beside: NDArray[np.float64] = NOTHING,
 ) -> VehicleBrake:
     """Return shoes of constant friction that give a mass [kg] a brake weight percentage [%] (UIC 544-1).
 
     A resistance (a, b, c) does not change the stopping distance of the percentage: the force of the shoes is reduced by
-    it. rotating: share of the rotating masses [1]; pressure: that of the full cylinder [Pa].
+    it. rotating: share of the rotating masses [1]; pressure: that of the full cylinder [Pa]; beside: further forces of
+    the percentage, at SPEEDS [N].
     """
-    return braked_with(force_beside(resistance, percentage, (1 + rotating) * mass), pressure)
+    return braked_with(force_beside(resistance, percentage, (1 + rotating) * mass, beside), pressure)
 
 
 def braked_with(force: float, pressure: float = 380e3) -> VehicleBrake:
@@ -205,9 +208,13 @@ EMPTY = {"wagon": WAGON, "locomotive": LOCOMOTIVE, "coach": COACH}
 
 @dataclass(frozen=True)
 class Consist:
-    """Vehicles from head to end; leading is the first. At least one has a driver's valve."""
+    """Vehicles from head to end; leading is the first. At least one has a driver's valve.
+
+    notes: how names and words of its rows are read, and what is assumed.
+    """
 
     vehicles: tuple[TrainVehicle, ...]
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def length(self) -> float:

@@ -1,12 +1,14 @@
 """Columns of a consist: names, units, limits and words. Tables in docs/train.md, docs/train-brakes.md and
 docs/train-couplers.md explain each.
 
-A CSV file has them in its first row, a TOML file as keys of each [[vehicle]]; both also in German and French.
+A CSV file has them in its first row, a TOML file as keys of each [[vehicle]]; both also in German and French, with
+words in cells as people write them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from brake_controller.distributors import BRAKES, pneumatic
@@ -19,10 +21,11 @@ from products.train.cell_tables import CELL_TABLES
 from products.train.consist import KINDS, LONGEST_VEHICLE
 from rbd_model.train.adhesion import ADHESIONS
 from rbd_model.train.coupler import COUPLERS
-from readers.column_words import false_friend, with_columns
-from readers.columns import LONGEST_TEXT, Column
+from readers.cell_words import SEVERAL, spellings
+from readers.column_words import false_friend, plain, with_columns
+from readers.columns import LONGEST_TEXT, Column, word_read_as
 from readers.quantity import Quantity, by_name
-from readers.text import quoted, shown
+from readers.text import LONGEST_ROW, quoted, shown
 
 #: Largest number of vehicles, and of characters of a name.
 MOST, LONGEST_NAME = 2000, LONGEST_TEXT
@@ -38,6 +41,7 @@ VEHICLE = by_name(
     Quantity("resistance_c", "N/(m/s)^2", 0.0, 1e3),
     Quantity("friction_ratio", "1", 0.0, 1.0),
     Quantity("friction_decay", "s/m", 0.0, 10.0),
+    Quantity("tare", "t", 1.0, 300.0),
 )
 #: Columns that state the brake's force, one group of them in a row, and its friction.
 FORCE = by_name(
@@ -55,6 +59,8 @@ FORCE = by_name(
     Quantity("friction_fast", "1", 0.001, 1.0),
     Quantity("friction_speed", "km/h", 0.1, 1000.0),
     Quantity("friction_radius", "1", 0.1, 1.0),
+    Quantity("brake_weight", "t", 0.0, 500.0, above_0=0.5),
+    Quantity("net_braking_ratio", "%", 0.5, 250.0),
 )
 #: Columns of the air: cylinder, reservoirs and pipe; the driver's valve.
 AIR = by_name(
@@ -140,7 +146,7 @@ WORDS: dict[str, Collection[str]] = {
     "distributor": (),
     "retainer": RETAINERS,
     "accelerated_release": ("yes", "no"),
-    "position": ("P", "G"),
+    "position": ("P", "G", "R", "R+Mg"),
     "friction": (*FRICTIONS, *FORCELESS),
     "adhesion": tuple(ADHESIONS),
     "coupler": tuple(COUPLERS),
@@ -155,6 +161,15 @@ NOT_MODELLED = {
 }
 #: Columns of free text, a name and tables, with their largest numbers of characters.
 TEXTS = {"name": LONGEST_NAME} | dict.fromkeys(CELL_TABLES, 400)
+#: Columns of brake sheets that have no effect on a train, with the reason: they are left out, and told.
+IDLE = {
+    "number": "numbers of vehicles have no effect",
+    "axles": "no equation here has their number",
+    "remark": "remarks have no effect",
+    "class": "letters of a class have no effect",
+    "train_type": "positions of the brakes have its effect",
+    "top_speed": "brakes do not depend on it",
+}
 #: All names, in the order in which files are written.
 NAMES = (
     *("kind", "name", *VEHICLE, "brake", *FORCE, "friction", "friction_table", *AIR, *ELECTRIC, "dynamic_table"),
@@ -170,39 +185,46 @@ def choices(name: str) -> tuple[str, ...]:
 
 
 def remedies(name: str) -> dict[str, str]:
-    """Return words that a column may not have, each with its remedy."""
-    return NOT_MODELLED if name in ("brake", "distributor") else {}
+    """Return words that a column may not have, as `plain` returns them, each with its remedy."""
+    return SEVERAL.get(name, {}) | (NOT_MODELLED if name in ("brake", "distributor") else {})
+
+
+def _column_of_words(name: str, couplers: Iterable[str] = ()) -> Column:
+    is_kind, words = name == "kind", choices(name)
+    allowed = (*words, *(couplers if name == "coupler" else ()))
+    found = Column(name, words=allowed, required=is_kind, filled=is_kind, as_written=True)
+    return replace(found, remedies=tuple(remedies(name).items()), meanings=spellings(name, words))
 
 
 def columns() -> list[Column]:
     """Return the columns of a CSV file: empty cells leave a value to its default."""
-    found = []
-    for name in WORDS:
-        is_kind, others = name == "kind", tuple(remedies(name).items())
-        found.append(Column(name, words=choices(name), required=is_kind, filled=is_kind, remedies=others))
+    found = [_column_of_words(name) for name in WORDS]
     found += [Column(name, filled=False, text=True, longest=longest) for name, longest in TEXTS.items()]
     found += [
-        Column(number.name, number.unit, number.least, number.most, filled=False, whole=number.whole)
+        Column(number.name, number.unit, number.least, number.most, False, False, (), number.whole, as_written=True)
         for number in NUMBERS.values()
     ]
-    return sorted(found, key=lambda column: NAMES.index(column.name))
+    idle = [Column(name, filled=False, text=True, longest=LONGEST_ROW) for name in IDLE]
+    return [*sorted(found, key=lambda column: NAMES.index(column.name)), *idle]
 
 
-def values_of(row: Mapping[str, Any], couplers: Iterable[str] = ()) -> dict[str, Any]:
+def values_of(
+    row: Mapping[str, Any], couplers: Iterable[str] = (), notes: dict[str, None] | None = None
+) -> dict[str, Any]:
     """Return the values of a row, each in the unit of its column and within its limits. Raises ValueError.
 
-    couplers: names of the [[coupler]] tables of its file.
+    couplers: names of the [[coupler]] tables of its file; notes: get a message for each name and word that is read as
+    another.
     """
+    notes = {} if notes is None else notes
     if not isinstance(row, Mapping):
         raise ValueError(f"a vehicle must be names with values; got {shown(row)}. Write kind = 'wagon'.")
     found: dict[str, Any] = {}
-    for name, value in with_columns(row, NAMES).items():
+    for name, value in with_columns(row, (*NAMES, *IDLE), notes).items():
         if name in WORDS:
-            words = (*choices(name), *(couplers if name == "coupler" else ()))
-            if value not in words:
-                remedy = next((text for word, text in remedies(name).items() if word == value), "Choose one.")
-                raise ValueError(f"{name} must be one of {', '.join(words)}; got {shown(value)}. {remedy}")
-            found[name] = value
+            found[name] = _word(_column_of_words(name, couplers), value, notes)
+        elif name in IDLE:
+            notes[idle_note(name)] = None
         elif name in TEXTS:
             if not isinstance(value, str) or len(value) > TEXTS[name] or not value.isprintable():
                 limit = f"printable text of at most {TEXTS[name]} characters"
@@ -216,6 +238,23 @@ def values_of(row: Mapping[str, Any], couplers: Iterable[str] = ()) -> dict[str,
     if "kind" not in found:
         raise ValueError(f"a vehicle must have a kind, one of {', '.join(KINDS)}. Add it.")
     return found
+
+
+def _word(column: Column, value: Any, notes: dict[str, None]) -> str:
+    """Return the word of a value. Raises ValueError if it is not allowed."""
+    word = column.word_of(value) if isinstance(value, str) else None
+    if word is None:
+        text = plain(value) if isinstance(value, str) else ""
+        remedy = dict(column.remedies).get(text, "Choose one.")
+        raise ValueError(f"{column.name} must be one of {', '.join(column.words)}; got {shown(value)}. {remedy}")
+    if plain(word) != plain(value):
+        notes[word_read_as(value, column.name, word)] = None
+    return word
+
+
+def idle_note(name: str) -> str:
+    """Return the note about a column that is left out."""
+    return f"column {name} is left out: {IDLE[name]}"
 
 
 def si(values: Mapping[str, Any], name: str, default: float = 0.0) -> float:

@@ -33,7 +33,8 @@ def read_consist(path: Path) -> Consist:
     for row in range(table.places.size):
         numbers = {name: float(values[row]) for name, values in table.numbers.items() if not math.isnan(values[row])}
         rows.append({name: values[row] for name, values in table.words.items() if values[row]} | numbers)
-    return consist_of(rows, str(path), [f"row {place}" for place in table.places])
+    consist = consist_of(rows, str(path), [f"row {place}" for place in table.places])
+    return replace(consist, notes=(*table.meant, *consist.notes))
 
 
 def _rows_of_toml(path: Path) -> tuple[list[dict[str, Any]], dict[str, Coupler]]:
@@ -58,10 +59,11 @@ def consist_of(
     own = dict(couplers or {})
     vehicles: list[TrainVehicle] = []
     heads: list[str] = []
+    notes: dict[str, None] = {}
     for number, row in enumerate(rows):
         place = places[number] if places else f"row {number + 1}"
         try:
-            one, values = vehicle_of(row, own)
+            one, values = vehicle_of(row, own, notes)
             heads += [place] if one.leads else []
             vehicles += [one] * int(values.get("count", 1))
             if len(heads) > 1:
@@ -80,7 +82,7 @@ def consist_of(
     valves = sum(one.valve is not None for one in led)
     if valves > MOST_VALVES:
         raise ValueError(f"{name} must have at most {MOST_VALVES} driver's valves; it has {valves}. Take fewer.")
-    return Consist(tuple(led))
+    return Consist(tuple(led), tuple(notes))
 
 
 def _with_head(vehicles: list[TrainVehicle], name: str) -> list[TrainVehicle]:

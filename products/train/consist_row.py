@@ -16,6 +16,7 @@ from products.train.consist_columns import COUPLING, FORCE, si, values_of
 from products.train.consist_rules import check_rules
 from products.train.drive_columns import electric_of, row_of_electric, row_of_traction, traction_of
 from products.train.heat_columns import heat_of, row_of_heat
+from products.train.row_statements import FILLED_AS, cut_out, load_of, resolved
 from products.train.track_columns import parking_of, row_of_track, track_of
 from rbd_model.train.coupler import COUPLERS, Coupler, with_numbers
 
@@ -27,10 +28,16 @@ OF_BRAKE = {
 }
 
 
-def vehicle_of(row: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> tuple[TrainVehicle, dict[str, Any]]:
-    """Return the vehicle of a row and its values; couplers: those of the tables of its file. Raises ValueError."""
-    values = values_of(row, couplers)
+def vehicle_of(
+    row: Mapping[str, Any], couplers: Mapping[str, Coupler], notes: dict[str, None]
+) -> tuple[TrainVehicle, dict[str, Any]]:
+    """Return the vehicle of a row and its values; couplers: those of the tables of its file. Raises ValueError.
+
+    notes: get messages about names and words that are read as others, and about assumed forces.
+    """
+    values = cut_out(values_of(row, couplers, notes))
     check_rules(values, values.get("coupler") in couplers)
+    values = resolved(values, notes)
     one = replace(_body_of(values), coupler=_coupler_of(values, couplers))
     one = replace(one, track=track_of(values, one.mass), parking=parking_of(values, one.mass))
     one = replace(one, distributor=distributor_of(values, one.distributor))
@@ -70,9 +77,8 @@ def row_of(train_vehicle: TrainVehicle) -> Row:
 def _body_of(values: Mapping[str, Any]) -> TrainVehicle:
     """Return a vehicle with its masses, resistance, distributor and pipe."""
     kind, position = values["kind"], values.get("position", "P")
-    load = values.get("load", 60.0 if kind == "wagon" else 0.0)
-    if "mass" in values:
-        load = values["mass"] - 1e-3 * EMPTY[kind]
+    position = FILLED_AS.get(position, position)
+    load = values["mass"] - 1e-3 * EMPTY[kind] if "mass" in values else load_of(values)
     more = {"weighing": values["weighing"]} if "weighing" in values else {}
     more |= {"weighing": "none"} if "empty_load" in values and kind == "wagon" else {}
     one = KINDS[kind](1e3 * load, position, **more)

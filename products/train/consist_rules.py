@@ -14,13 +14,12 @@ from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.cell_tables import points_in
 from products.train.consist import EMPTY, EMPTY_UP_TO, PERCENTAGE
 from products.train.consist_columns import COUPLING, FORCE, HEAT, TRACK, TRACTION
+from products.train.row_statements import STATEMENTS, check_mass, check_statements, is_american
 
 Row = Mapping[str, Any]
 Rule = Callable[[Row], None]
-#: Columns that state a brake's force, one of them in a row.
-STATEMENTS = ("lambda", "deceleration", "brake_force", "shoe_force", "cylinder_diameter")
 #: Statements of the force at the rims, in which friction is included; the last are those of kinds without a statement.
-AT_RIMS = ("lambda", "deceleration", "brake_force", *(f"the lambda of a {kind}" for kind in PERCENTAGE))
+AT_RIMS = ("lambda", "deceleration", "brake_force", "brake_weight", *(f"the lambda of a {kind}" for kind in PERCENTAGE))
 _BY_PIPE = ("distributor", "position", "auxiliary", "cylinder", *OF_AAR)
 _OF_BRAKE = ("full_pressure", "fill_time", "release_time", *FORCE, *HEAT, "fade_table", "friction", "weighing")
 #: Messages: of columns that need others, and of columns that exclude others.
@@ -43,6 +42,7 @@ def facts_of(values: Row, own_coupler: bool) -> dict[str, Any]:
         "several": values.get("count", 1) > 1,
         "a valve": values.get("valve", "head" if kind == "locomotive" else "none") != "none",
         "no rotating mass": values.get("rotating") == 0.0,
+        "an American car": is_american(values),
     }
     return found | {fact: True for fact, holds in facts.items() if holds}
 
@@ -97,11 +97,6 @@ def _check_distributor(row: Row) -> None:
         raise ValueError(f"{name} has no effect with distributor = {kind.name}. Leave it out.")
 
 
-def _check_statements(row: Row) -> None:
-    if len(stated := _holding(STATEMENTS, row)) > 1:
-        raise ValueError(f"a brake must be stated once; got {' and '.join(stated)}. Leave all but one out.")
-
-
 def _check_empty(row: Row) -> None:
     """Check that a car with an empty/load device is empty. Raises ValueError."""
     mass = row.get("mass", 1e-3 * EMPTY[row["kind"]] + row.get("load", math.nan))
@@ -125,6 +120,7 @@ def _check_table(name: str) -> Rule:
 
 _DYNAMIC, _TRACTION = ("dynamic_force", "dynamic_table"), ("traction_force", "traction_table")
 _MASSES, _PARKING = ("wheel_mass", "disc_mass"), ("parking_force", "parking_gradient")
+_RAPID = ("position = R", "position = R+Mg")
 _RIGGING = ("cylinders", "rigging_ratio", "rigging_efficiency", "return_force")
 _VALUED = ("friction = constant", "friction = speed")
 _LAWS, _AT_SPEED = tuple(f"friction = {friction}" for friction in FRICTIONS), ("friction = speed",)
@@ -135,7 +131,7 @@ _CLOSES = "blending_speed must come with blending = closes, and that with it. Ad
 _SHOES = f"a friction that depends on the force of a shoe, one of {', '.join(FRICTIONS)}. Add friction, or leave"
 #: Rules in their order; the message is that of the first rule that a row breaks.
 RULES: tuple[Rule, ...] = (
-    excludes(["load"], ["mass"], "a vehicle must have load or mass, not both. The mass is that with the load."),
+    check_mass,
     needs(["friction_ratio"], ["friction_decay"], _TOGETHER),
     needs(["friction_decay"], ["friction_ratio"], _TOGETHER),
     needs(["weighing"], ["kind = wagon"], "{name} must be of a wagon; the vehicle is a {row[kind]}. Leave it out."),
@@ -149,9 +145,11 @@ RULES: tuple[Rule, ...] = (
     excludes(["dead_time", *_BY_PIPE, *_OF_BRAKE], ["brake = none"], IDLE),
     _check_distributor,
     excludes(["position"], ["both times"], f"{{name}} has no effect with fill_time and release_time. {LEAVE_ONE}"),
-    _check_statements,
+    check_statements,
     needs(_RIGGING, ["cylinder_diameter"], f"{WITH}. Add {{others}}, or leave {{name}} out."),
     needs(["cylinder_diameter"], ["rigging_ratio"], ADD),
+    needs(_RAPID, STATEMENTS, "{name} must come with its force: it fills as P. Add brake_weight or lambda."),
+    needs(["position = R+Mg"], ["magnetic_attraction"], "{name} must come with {others}. Add it, or write R."),
     excludes(["weighing"], STATEMENTS, f"{WITHOUT}, which is that of the load. Leave it out."),
     excludes(
         _OTHER_LAWS,
@@ -172,7 +170,7 @@ RULES: tuple[Rule, ...] = (
     needs(["friction_radius"], ["friction = pads"]),
     needs(["shoes"], [*_LAWS, "friction of a wagon"], f"{{name}} must come with {_SHOES} {{name}} out."),
     needs(
-        ["shoe_force", "cylinder_diameter"],
+        ["shoe_force", "net_braking_ratio", "cylinder_diameter"],
         ["friction", "kind = wagon"],
         "friction must come with {name} of a {row[kind]}. Add friction.",
     ),
@@ -180,8 +178,14 @@ RULES: tuple[Rule, ...] = (
     needs(["friction = constant"], ["friction_value", *AT_RIMS], "{name} must come with friction_value. Add it."),
     excludes(["weighing"], ["empty_load"], f"{WITHOUT}, which is in its place. {LEAVE_ONE}"),
     excludes(
+        ["weighing"],
+        ["an American car"],
+        "{name} must be left out with distributor = {row[distributor]}: its cars have a net braking ratio. State "
+        "net_braking_ratio, or empty_load of aar.",
+    ),
+    excludes(
         ["empty_load"],
-        [*AT_RIMS[:3], "shoe_force", *AT_RIMS[3:]],
+        [*AT_RIMS[:3], "shoe_force", "net_braking_ratio", *AT_RIMS[3:]],
         f"{WITHOUT}, the force of this load. Leave it out, or state the brake by cylinder_diameter.",
     ),
     _check_empty,

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from products.train.consist import Consist, TrainVehicle
-from products.train.consist_columns import NAMES, NUMBERS
+from products.train.consist_columns import NAMES, NUMBERS, values_of
 from products.train.consist_file import consist_of
 from products.train.consist_row import Row, row_of
 from products.train.coupler_tables import TABLE_NAMES, couplers_of, table_of
@@ -29,7 +29,7 @@ ROUNDING = 1e-9
 def write_consist(what: Consist | Iterable[Mapping[str, Any]], path: str | Path) -> None:
     """Write a consist to a file, TOML where its name ends so, otherwise CSV with commas."""
     couplers = coupler_tables_of(what) if isinstance(what, Consist) else []
-    rows = rows_of(what) if isinstance(what, Consist) else [dict(row) for row in what]
+    rows = rows_of(what) if isinstance(what, Consist) else [values_of(row) for row in what]
     consist_of(rows, couplers=couplers_of(couplers, "the consist"))
     place = Path(path)
     if couplers and place.suffix.lower() != ".toml":

@@ -18,6 +18,7 @@ from readers.import_account import Imported, Row
 #: Columns without which a row would be another vehicle; a value beyond their limits is refused.
 ESSENTIAL = (
     *("kind", "count", "mass", "length", "lambda", "deceleration", "brake_force", "shoe_force", "brake"),
+    *("brake_weight", "net_braking_ratio"),
     *("resistance_a", "resistance_b", "resistance_c", "friction_value"),
 )
 #: Columns of times, whose nearest limit is taken where a value is beyond it.

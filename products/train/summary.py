@@ -23,6 +23,8 @@ from rbd_model.train.vehicle import GRAVITY
 LONGEST, STEP, RESTS = 1800.0, 1.0, 1e-3
 #: Speed at which the resistance of a vehicle is shown [m/s].
 SHOWN = 80.0 / 3.6
+#: Words of a note on a name or word that is read as another.
+READ = " is read as "
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ def summary_of(consist: Consist, speeds: Sequence[float]) -> Summary:
         tuple(kinds),
         tuple(_at(consist, speed) for speed in speeds),
         couplings_of(consist),
-        _remarks(consist),
+        (*_remarks(consist), *_account(consist)),
     )
 
 
@@ -148,6 +150,13 @@ def _remarks(consist: Consist) -> tuple[str, ...]:
     if any(one.track.magnetic_attraction + one.track.eddy_force > 0.0 for one in consist.vehicles):
         found.append("Track brakes are part of the stops, not of lambda and brake force.")
     return tuple(found)
+
+
+def _account(consist: Consist) -> list[str]:
+    """Return the notes of a consist: one for names and words, and those about assumed values."""
+    read = [note for note in consist.notes if READ in note]
+    others = [f"{note[0].upper()}{note[1:]}." for note in consist.notes if READ not in note]
+    return [*([f"Read: {'; '.join(note.replace(READ, ' = ') for note in read)}."] if read else []), *others]
 
 
 def brake_force(train_vehicle: TrainVehicle, speed: float) -> float:

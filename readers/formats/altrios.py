@@ -263,17 +263,17 @@ def _car_rows(car: Car, count: int, source: str, notes: Notes) -> list[Row]:
     )
     for name in sorted(car.missing):
         notes.assumed(f"{name}: missing; 0.")
-    row |= _brake(n, weight, notes)
+    row |= _brake(n, notes)
     parts = fitting(row, notes, source)
     return [{**part, "count": count} for part in parts] if len(parts) == 1 else parts * count
 
 
-def _brake(n: Mapping[str, float], weight: float, notes: Notes) -> Row:
-    """Return the shoe force of a net braking ratio, and its friction."""
+def _brake(n: Mapping[str, float], notes: Notes) -> Row:
+    """Return a net braking ratio, and its friction."""
     if n["ratio"] == 0.0:
         notes.converted("braking_ratio 0 -> brake = none")
         return {"brake": "none"}
-    notes.converted("braking_ratio: ratio x weight -> shoe_force [kN], with friction = constant")
+    notes.converted("braking_ratio: 100 x ratio -> net_braking_ratio [%], with friction = constant")
     own = n["ratio"] * GRAVITY
     notes.assumed(
         f"braking_ratio is read as an AAR net braking ratio, shoe force over weight, with a friction of {FRICTION:g}: "
@@ -282,7 +282,7 @@ def _brake(n: Mapping[str, float], weight: float, notes: Notes) -> Row:
     )
     notes.assumed("Filling and release times: those of position P; a built train of ALTRIOS has a ramp of 0 s.")
     return {
-        "shoe_force": rounded(1e-3 * n["ratio"] * weight),
+        "net_braking_ratio": rounded(100 * n["ratio"]),
         "friction": "constant",
         "friction_value": FRICTION,
     }

@@ -148,7 +148,7 @@ def vehicle_of(vehicle: ET.Element, source: str, notes: Notes) -> Row:
         if vehicle.get(one) is not None:
             notes.left(f"{one}: a vehicle of a train has no axles of its own.")
     row = with_motors(row, _motors(vehicle, place, notes), notes)
-    return row | _resistance(vehicle, mass, place, notes) | _brake(vehicle, mass, place, notes)
+    return row | _resistance(vehicle, mass, place, notes) | _brake(vehicle, place, notes)
 
 
 def _motors(vehicle: ET.Element, place: str, notes: Notes) -> Row:
@@ -240,7 +240,7 @@ def _davies(davies: ET.Element, place: str, notes: Notes) -> tuple[float, float,
     return a, 3.6 * b, 12.96 * c
 
 
-def _brake(vehicle: ET.Element, mass: float, place: str, notes: Notes) -> Row:
+def _brake(vehicle: ET.Element, place: str, notes: Notes) -> Row:
     """Return the brake of the first set of a vehicle's brakes by position: P, R, G."""
     sets = [one for one in inside(vehicle, "vehicleBrakes", "vehicleBrake") if one.attrib]
     for one in inside(vehicle, "auxiliaryBrakes"):
@@ -259,16 +259,16 @@ def _brake(vehicle: ET.Element, mass: float, place: str, notes: Notes) -> Row:
         return {"brake": "none"}
     if "vacuum" in kind:
         notes.assumed("brakeType vacuum: simulated as a compressed-air brake of equal brake weight.")
+    if chosen.get("loadSwitch") is not None:
+        notes.left("loadSwitch: the brake weight is that of the stated load.")
+    stated = _statement(chosen, place, notes) or _by_table(vehicle, place, notes)
     row: Row = {}
-    if chosen.get(position) in ("G", "P"):
+    if chosen.get(position) in ("G", "P") or (chosen.get(position) == "R" and stated):
         row["position"] = chosen.get(position)
         notes.taken(f"{position} -> position")
     elif chosen.get(position) == "R":
-        row["position"] = "P"
-        notes.assumed(f"{position} R: filled as in P; two stages of pressure over speed have no column.")
-    if chosen.get("loadSwitch") is not None:
-        notes.left("loadSwitch: the brake weight is that of the stated load.")
-    return row | (_statement(chosen, mass, place, notes) or _by_table(vehicle, place, notes) or _without_brake(notes))
+        notes.left(f"{position} R: it fills as P, and the file has no brake weight of it.")
+    return row | (stated or _without_brake(notes))
 
 
 def _without_brake(notes: Notes) -> Row:
@@ -276,7 +276,7 @@ def _without_brake(notes: Notes) -> Row:
     return {}
 
 
-def _statement(chosen: ET.Element, mass: float, place: str, notes: Notes) -> Row:
+def _statement(chosen: ET.Element, place: str, notes: Notes) -> Row:
     """Return the statement of a set of brakes: percentage, brake weight, or mean deceleration."""
     for begin in ("regular", "emergency"):
         percentage = number_of(chosen, f"{begin}BrakePercentage", (0.0, 400.0), place)
@@ -288,8 +288,8 @@ def _statement(chosen: ET.Element, mass: float, place: str, notes: Notes) -> Row
         if percentage:
             notes.taken(f"{begin}BrakePercentage -> lambda [%]")
             return {"lambda": rounded(percentage)}
-        notes.converted(f"{begin}BrakeMass / mass -> lambda [%]")
-        return {"lambda": rounded(100 * (weight or 0.0) / mass)}
+        notes.taken(f"{begin}BrakeMass -> brake_weight [t]")
+        return {"brake_weight": rounded(weight or 0.0)}
     mean = number_of(chosen, "meanDeceleration", (0.0, 5.0), place)
     if mean:
         notes.taken("meanDeceleration -> deceleration [m/s2]")
@@ -406,7 +406,7 @@ def _of_formation(formation: ET.Element, rows: list[Row], source: str, notes: No
         rows = [row | {name: rounded(value * row["mass"] / total) for name, value in shared.items()} for row in rows]
     elif davis is not None:
         notes.left("trainResistance: the vehicles have their own.")
-    if brakes is None or any({"lambda", "deceleration", "brake_force"} & row.keys() for row in rows):
+    if brakes is None or any({"lambda", "brake_weight", "deceleration", "brake_force"} & row.keys() for row in rows):
         if brakes is not None:
             notes.left("trainBrakes: the vehicles have their own.")
         return rows

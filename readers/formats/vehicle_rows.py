@@ -93,6 +93,7 @@ SHARED = (
     "resistance_c",
     "brake_force",
     "shoe_force",
+    "brake_weight",
     "dynamic_force",
     "dynamic_power",
     "traction_force",

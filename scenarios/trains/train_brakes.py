@@ -28,6 +28,8 @@ DRAWN = 25.0
 COMMANDS = {"full service": ("service", 1.0), "emergency": ("emergency", 0.0)}
 #: Names of brakes, and their distributors.
 BRAKES = {"UIC": "uic", "EP-UIC": "ep_uic", "AAR": "aar", "ECP": "ecp"}
+#: Cylinder of each car, that of the built-in wagon: with UIC distributors or others only these differ.
+CYLINDER = {"cylinder_diameter": 406, "rigging_ratio": 5.65}
 #: Share of the last pressure of its cylinder at which a vehicle brakes.
 HALF = 0.5
 
@@ -54,6 +56,7 @@ class TrainStop:
 def run_of(brake: str, command: str) -> TrainStop:
     """Return a stop of a train of equal cars."""
     cars = {"kind": "wagon", "count": CARS, "load": 60, "distributor": BRAKES[brake], "coupler": "draft-gear"}
+    cars |= CYLINDER
     head = {"kind": "locomotive", "brake": "none", "coupler": "draft-gear"}
     train = Train(consist_of([head, cars]), speed=SPEED)
     train.drive(*COMMANDS[command])

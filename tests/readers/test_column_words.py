@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bogie_braking.train_fitting import STOPS
-from products.train.consist_columns import NAMES
+from products.train.consist_columns import IDLE, NAMES, choices
 from products.train.consist_file import read_consist
 from products.train.coupler_tables import TABLE_NAMES
 from products.vehicle_brakes import OF_CONSISTS
@@ -23,6 +23,7 @@ from rbd_model.track.line_files import account_of, line_from_file
 from rbd_model.track.line_table import LINE
 from rbd_model.track.point_files import COLUMNS as POINTS
 from rbd_model.track.point_files import HEIGHT
+from readers.cell_words import CELL_WORDS
 from readers.column_words import COLUMN_WORDS, column_meant, plain, words_of
 from readers.columns import Column
 from readers.tables import read_table, table_of
@@ -35,7 +36,7 @@ KNOWN: dict[str, list[str]] = {
     "points": [column.name for column in POINTS],
     "irregularity": [column.name for column in IRREGULAR],
     "stops": [column.name for column in STOPS],
-    "consist": list(NAMES),
+    "consist": [*NAMES, *IDLE],
     "coupler": list(TABLE_NAMES),
     "vehicle": [*ENTRIES, "name", "like", "profile_file", *TABLES],
     "brake of a vehicle": list(OF_CONSISTS),
@@ -55,6 +56,7 @@ def test_each_word_means_one_column_of_a_table_and_none_is_a_column(table: str) 
 def test_words_are_those_of_columns_that_exist() -> None:
     everywhere = {name for known in KNOWN.values() for name in known} | {"time", "speed"}
     assert set(COLUMN_WORDS) <= everywhere
+    assert {name for name, words in CELL_WORDS.items() if not set(words) <= set(choices(name))} == set()
 
 
 def test_words_are_compared_as_people_write_them() -> None:
@@ -71,8 +73,9 @@ def test_words_are_compared_as_people_write_them() -> None:
         ("Radius", "line"),
         ("Reibwert", "irregularity"),
         ("Reibwert links", "line"),
-        ("Tara", "consist"),
-        ("Bremsgewicht", "consist"),
+        ("Tara", "line"),
+        ("Bremsgewicht", "stops"),
+        ("Reibradius", "consist"),
         ("Gefälle", "line"),
         ("Anzahl Bremsklötze", "brake of a vehicle"),
         ("Reibungsgesetz", "brake of a vehicle"),
@@ -93,11 +96,10 @@ def test_a_false_friend_and_a_name_of_two_columns_are_refused(tmp_path: Path) ->
     with pytest.raises(FileError, match="the column cant must be there once; it is there twice"):
         table_of("distance,cant,dévers\n0,1,1\n", "line.csv", LINE.columns)
     path = tmp_path / "train.csv"
-    path.write_text("Fahrzeugart,Bremsgewicht\nwagon,60\n")
-    with pytest.raises(FileError, match=r"'Bremsgewicht' is unknown. A brake weight must be a percentage here"):
+    path.write_text("Fahrzeugart,Bremsgewicht P,Bremsgewicht G\nwagon,60,50\n")
+    with pytest.raises(FileError, match=r"'Bremsgewicht P' is unknown. A vehicle must have one brake weight, that of"):
         read_consist(path)
     for head, said in (
-        ("Eigengewicht", "A mass must include the load here"),
         ("Beladung", "A load must be a mass here: Ladung"),
         ("cars", "Columns are kind, name, count, load, mass, length,"),
     ):

@@ -241,7 +241,7 @@ def test_an_altrios_car_has_the_numbers_of_its_file(tmp_path: Path) -> None:
     for speed in SPEEDS:
         own = 4 * 40.26 + (1.546e-3 + 1e-5 * speed) * weight + AIR * 4.087 * speed**2
         assert resistance(found, speed) == pytest.approx(own, rel=ROUNDED)
-    assert row["shoe_force"] == pytest.approx(0.11 * 130 * G, rel=ROUNDED)
+    assert row["net_braking_ratio"] == pytest.approx(11.0, rel=ROUNDED)
     assert (row["friction"], row["friction_value"]) == ("constant", 0.3)
     assert told(found, "assumed", "0.32 m/s2. ALTRIOS takes it as retardation: 1.08 m/s2")
 
@@ -338,7 +338,7 @@ def test_an_old_altrios_car_is_read_loaded(tmp_path: Path) -> None:
     )
     row = read(tmp_path, "Manifest.yaml", text).rows[0]
     assert row["mass"] == 130.0
-    assert row["shoe_force"] == pytest.approx(0.11 * 130 * G, rel=ROUNDED)
+    assert row["net_braking_ratio"] == pytest.approx(11.0, rel=ROUNDED)
 
 
 def test_yaml_is_the_same_without_the_parser_in_c(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -439,8 +439,8 @@ def test_a_railml_formation_has_the_numbers_of_its_vehicles(tmp_path: Path) -> N
     found = read(tmp_path, "ic.xml", RAILML)
     loco, coach = found.rows
     assert (loco["kind"], loco["lambda"], loco["position"], loco["mass"]) == ("locomotive", 95.0, "P", 84.0)
-    assert (coach["kind"], coach["count"], coach["position"], coach["mass"]) == ("coach", 5, "P", 48.0)
-    assert coach["lambda"] == pytest.approx(100 * 60 / 48, rel=ROUNDED)
+    assert (coach["kind"], coach["count"], coach["position"], coach["mass"]) == ("coach", 5, "R", 48.0)
+    assert coach["brake_weight"] == 60.0
     assert loco["rotating"] == pytest.approx(15.0, rel=ROUNDED)
     assert whole(found, "length") == pytest.approx(19 + 5 * 26.4)
     for speed in SPEEDS:
@@ -452,7 +452,6 @@ def test_a_railml_formation_has_the_numbers_of_its_vehicles(tmp_path: Path) -> N
     assert told(found, "left", "emergencyBrakePercentage")
     assert told(found, "left", "Formations other: the first, IC, is read")
     assert told(found, "left", "2 sets")
-    assert told(found, "assumed", "R: filled as in P")
 
 
 def test_additional_brakes_of_railml_have_no_force_and_name_their_column(tmp_path: Path) -> None:

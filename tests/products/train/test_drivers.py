@@ -70,16 +70,16 @@ def test_a_driver_holds_a_train_whose_brakes_release_wholly(gradient: float) -> 
 
 
 def test_repeated_releases_exhaust_the_reservoirs_of_a_long_heavy_train() -> None:
-    """docs/train.md: full service then leaves less than 1 bar in the cylinders, and the train runs away."""
+    """docs/train.md: full service then leaves less than 2.5 of 3.57 bar in the cylinders, and the train runs away."""
     wagons = {"kind": "wagon", "distributor": "aar", "count": 30, "mass": 100.0}
-    train = train_of([{"kind": "locomotive", "distributor": "aar"}, wagons], -0.015, speed=50.0 / 3.6)
+    train = train_of([{"kind": "locomotive", "distributor": "aar"}, wagons], -0.025, speed=50.0 / 3.6)
     driver = HoldingDriver(50.0 / 3.6)
-    for _ in range(600):
+    for _ in range(900):
         driver.act(train)
         train.advance(driver.period)
     assert train.inputs["driver_step"][0] == 1.0
     assert train.speed[0] - driver.speed > 5.0
-    assert np.mean(train.air.vehicle_pressures("cylinder")) - AMBIENT < 1e5
+    assert np.mean(train.air.vehicle_pressures("cylinder")) - AMBIENT < 2.5e5
 
 
 @pytest.mark.study

@@ -21,7 +21,7 @@ from tests.products.train.chains import without_added_kinds
 
 #: Boyle with 2500, 3500 and 1000 cubic inches at 5 bar: full service, and emergency [Pa].
 FULL, EMERGENCY = 500e3 * 2500 / 3500, 500e3 * 6000 / 7000
-#: Pressure that the wagon's return spring takes: 1500 N on a piston of 406 mm [Pa].
+#: Pressure that the return spring of a cylinder takes: 1500 N on a piston of 406 mm [Pa].
 SPRING = 1500.0 / (np.pi / 4 * 0.406**2)
 #: Difference in which a relay shuts [Pa].
 RELAY = 5e3
@@ -51,7 +51,7 @@ def test_a_command_fills_all_cylinders_at_once_and_the_pipe_stays_charged() -> N
 
 def test_it_releases_by_steps_both_ways() -> None:
     """First step 0.4 bar of 1.5 bar of the whole force, full service all of it: linear above the cylinder's spring."""
-    one = train(2)
+    one = train(2, cylinder_diameter=406, rigging_ratio=5.65)
     for step in (0.6, 0.2, 0.8):
         one.drive("service", step)
         one.advance(40.0)
