@@ -11,8 +11,8 @@ from readers.columns import Column, Place, TableError, unit_factor
 from readers.text import BLANK, LONGEST_ROW, quoted, shown
 from readers.units import unit_like
 
-#: Likeness of names from which a message suggests one: below it are other words, such as axle and valve.
-ALIKE = 0.7
+#: Likeness of names from which a message suggests one: below it are other words, such as valve for axle.
+ALIKE = 0.8
 #: The most names of columns that a message lists.
 MOST_NAMES = 20
 #: Further columns whose cells may be anything, as they are not used.

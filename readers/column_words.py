@@ -62,7 +62,7 @@ COLUMN_WORDS: dict[str, Words] = {
     # Vehicles
     "kind": (("Fahrzeugart", "Art", "Wagenart"), ("type de véhicule", "nature"), ("vehicle type", "car type", "type")),
     "name": (
-        ("Bezeichnung", "Wagennummer", "Fahrzeugnummer"),
+        ("Bezeichnung", "Wagennummer", "Wagen-Nr", "Fahrzeugnummer", "Fahrzeug-Nr"),
         ("nom", "désignation", "numéro de wagon", "numéro du véhicule"),
         ("vehicle number", "car number", "wagon number"),
     ),
@@ -77,7 +77,11 @@ COLUMN_WORDS: dict[str, Words] = {
     "class": (("Gattung", "Gattungszeichen"), ("série",)),
     "train_type": (("Zugart",), ("type de train",)),
     "top_speed": (("Höchstgeschwindigkeit", "vmax"), ("vitesse maximale",), ("maximum speed", "max speed")),
-    "tare": (("Eigengewicht", "Eigenmasse", "Leermasse", "Tara"), ("masse à vide",)),
+    "tare": (
+        ("Eigengewicht", "Eigenmasse", "Leermasse", "Leergewicht", "Tara"),
+        ("masse à vide",),
+        ("tare weight", "empty weight"),
+    ),
     "load": (("Ladung", "Zuladung", "Lademasse", "Ladegewicht"), ("charge", "chargement"), ("lading",)),
     "mass": (
         ("Masse", "Gesamtmasse", "Gesamtgewicht", "Gewicht"),
@@ -85,7 +89,7 @@ COLUMN_WORDS: dict[str, Words] = {
         ("weight", "gross weight", "total weight", "gross mass", "gross rail load"),
     ),
     "length": (
-        ("Länge", "Länge über Puffer", "LüP"),
+        ("Länge", "Länge über Puffer", "Länge üP", "LüP"),
         ("longueur", "longueur hors tampons"),
         ("length over buffers", "length over couplers"),
     ),

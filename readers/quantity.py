@@ -10,11 +10,14 @@ from typing import Any, TypeVar
 from readers.decimal_numbers import number_of
 from readers.documents import is_number
 from readers.text import shown
-from readers.units import factor
+from readers.units import AMBIGUOUS, factor, unit_like
 from readers.usual import almost_0, is_almost_0, likely_unit
 
 #: A number and its unit.
 NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
+#: A number with a decimal comma, and one that may have a separator of thousands, with what is behind them.
+COMMA = re.compile(r"\s*[+-]?\d*,\d+.*")
+THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d).*")
 #: SI units in a unit of columns and entries, by which a value is multiplied.
 SCALE = {
     **dict.fromkeys(("t", "kN", "kW"), 1e3),
@@ -29,7 +32,7 @@ def number_in(text: str, unit: str) -> float | None:
     found = NUMBER.fullmatch(text.strip())
     if not found:
         return None
-    times = (1.0, 1.0) if found[2] is None else None if unit == "1" else factor(found[2], unit)
+    times = (1.0, 1.0) if found[2] is None else None if unit == "1" else factor(unit_like(found[2]) or found[2], unit)
     return None if times is None else float(found[1]) * times[0] / times[1]
 
 
@@ -85,7 +88,10 @@ class Quantity:
     def number(self, value: Any) -> float:
         """Return a number, or a text with a number and a unit such as "60 t", in its unit; NaN if it is neither."""
         number = number_of(value)
-        found = number_in(value, self.unit) if math.isnan(number) and isinstance(value, str) else number
+        if not isinstance(value, str) or not (math.isnan(number) or "," in value):
+            return number
+        point = COMMA.fullmatch(value) and not THOUSANDS.fullmatch(value)
+        found = number_in(value.replace(",", ".") if point else value, self.unit)
         return math.nan if found is None else found
 
     def read(self, value: Any, remedy: str = " Correct it.") -> float:
@@ -94,7 +100,8 @@ class Quantity:
         if not self.least <= number <= self.most or (self.whole and number != int(number)):
             kind = "an integer" if self.whole else "a number"
             likely = likely_unit(number, self.unit, self.least, self.most) if is_bare else ""
-            raise ValueError(f"{self.name} must be {kind} from {self.limits}; got {shown(value)}.{likely or remedy}")
+            likely = likely or _remedy(value) or remedy
+            raise ValueError(f"{self.name} must be {kind} from {self.limits}; got {shown(value)}.{likely}")
         if 0.0 < number < self.above_0:
             likely = likely_unit(number, self.unit, self.above_0, self.most) if is_bare else ""
             limits = f"0 or from {self.above_0:g} to {self.most:g}{self.of_unit}"
@@ -102,6 +109,16 @@ class Quantity:
         if is_almost_0(number, self.unit):
             raise ValueError(almost_0(self.name, number, self.unit, self.most))
         return number
+
+
+def _remedy(value: Any) -> str:
+    """Return the remedy for a text with a unit that may be several, or with a separator of thousands, or nothing."""
+    text = value if isinstance(value, str) else ""
+    if THOUSANDS.fullmatch(text):
+        return f" Write {text.replace(',', '').strip()} without a separator, or a decimal point."
+    match = NUMBER.fullmatch(text.replace(",", ".").strip())
+    unit = (match[2] or "").strip().casefold() if match else ""
+    return f" {AMBIGUOUS[unit]}" if unit in AMBIGUOUS else ""
 
 
 AnyQuantity = TypeVar("AnyQuantity", bound=Quantity)

@@ -146,7 +146,7 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
         "kg": (1, 1),
         "t": (1000, 1),
         "g": (1, 1000),
-        **dict.fromkeys(("tonne", "tonnes", "Tonne", "Tonnen"), (1000, 1)),
+        **dict.fromkeys(("tonne", "tonnes", "Tonne", "Tonnen", "to"), (1000, 1)),
         **dict.fromkeys(("lb", "lbs"), (45_359_237, 100_000_000)),
         "klb": (45_359_237, 100_000),
         **dict.fromkeys(("t-us", "short ton", "short tons"), (90_718_474, 100_000)),

@@ -22,6 +22,7 @@ from products.train.consist import KINDS, LONGEST_VEHICLE
 from rbd_model.train.adhesion import ADHESIONS
 from rbd_model.train.coupler import COUPLERS
 from readers.cell_words import SEVERAL, spellings
+from readers.column_names import ALIKE
 from readers.column_words import false_friend, plain, with_columns
 from readers.columns import LONGEST_TEXT, Column, word_read_as
 from readers.quantity import Quantity, by_name
@@ -233,7 +234,7 @@ def values_of(
         elif name in NUMBERS:
             found[name] = NUMBERS[name].read(value)
         else:
-            remedy = false_friend(str(name)) or suggestion(str(name), NAMES)
+            remedy = false_friend(str(name)) or suggestion(str(name), (*NAMES, *IDLE), likeness=ALIKE)
             raise ValueError(f"the name {quoted(str(name))} is unknown; {remedy}")
     if "kind" not in found:
         raise ValueError(f"a vehicle must have a kind, one of {', '.join(KINDS)}. Add it.")

@@ -154,9 +154,9 @@ def _remarks(consist: Consist) -> tuple[str, ...]:
 
 def _account(consist: Consist) -> list[str]:
     """Return the notes of a consist: one for names and words, and those about assumed values."""
-    read = [note for note in consist.notes if READ in note]
+    read = [note.removeprefix("column ").replace(READ, " as ") for note in consist.notes if READ in note]
     others = [f"{note[0].upper()}{note[1:]}." for note in consist.notes if READ not in note]
-    return [*([f"Read: {'; '.join(note.replace(READ, ' = ') for note in read)}."] if read else []), *others]
+    return [*([f"Read {', '.join(read)}."] if read else []), *others]
 
 
 def brake_force(train_vehicle: TrainVehicle, speed: float) -> float:

@@ -11,9 +11,11 @@ from scipy.integrate import quad
 
 import bogie_braking as bb
 from brake_controller.brake_weight import FROM_100, VEHICLE_BUILD_UP
+from products.train.consist_columns import NUMBERS
 from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
 from products.train.summary import brake_force, summary_of
+from products.vehicle_file import sheet_of
 from readers.text import FileError
 
 POUND, G = 0.45359237, 9.80665
@@ -64,7 +66,7 @@ def test_rows_with_words_of_people_are_written_with_the_names_of_columns(tmp_pat
     assert "column 'Bremsgewicht' is read as brake_weight" in notes
     assert "'Lok' is read as kind = locomotive" in notes
     assert any(note.startswith("column axles is left out") for note in notes)
-    assert "Read: column 'Art' = kind;" in "".join(summary_of(consist_of(rows), ()).remarks)
+    assert "Read 'Art' as kind, " in "".join(summary_of(consist_of(rows), ()).remarks)
 
 
 @pytest.mark.parametrize(
@@ -173,3 +175,27 @@ def test_a_net_braking_ratio_is_a_force_of_shoes_on_any_vehicle() -> None:
     values = dataclasses.asdict(one.brake)
     assert values == pytest.approx(dataclasses.asdict(other.brake), rel=1e-12)
     assert np.isfinite(bb.train([HEAD | {"kind": "locomotive"}, row | ratio], speed=10.0).brake_force).all()
+
+
+def test_a_vehicle_file_states_a_brake_weight_too() -> None:
+    brakes = ({"brake_weight": "60 t"}, {"Bremsgewicht": 60e3}, {"percentage": 120})
+    found = [sheet_of({"axles": 4, "tare": "42 t", "load": "8 t", "brake": brake}).brake for brake in brakes]
+    values = [dict(one.values) for one in found if one is not None]
+    assert values[0] == values[1] == pytest.approx(values[2], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [("60,5 t", 60.5), ("60500 kg", 60.5), ("120 KLB", 120e3 * POUND / 1e3), ("60 short tons", 120e3 * POUND / 1e3)],
+)
+def test_a_number_in_toml_is_read_as_people_write_it(text: str, number: float) -> None:
+    assert NUMBERS["mass"].read(text) == pytest.approx(number, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "remedy"),
+    [("120,000 lb", "Write 120000 lb without a separator"), ("90 tons", "Write t, or t-us"), ("1,500", "Write 1500")],
+)
+def test_a_number_that_may_be_several_is_refused(text: str, remedy: str) -> None:
+    with pytest.raises(ValueError, match=remedy):
+        NUMBERS["mass"].read(text)
