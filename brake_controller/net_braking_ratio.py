@@ -1,8 +1,8 @@
 """Net braking ratio of North American freight cars: force of all shoes over the weight, in full service.
 
-AAR S-401 limits it for new cars, as secondary sources have it (US patent 5927822; Railinc, UMLER release notes of 2017;
-the standard itself was not read): 8.5, later 11, to 14 % loaded, and 15 to 38 % empty. AAR states it for a full service
-from 90 psi (64 psi in the cylinder). Here it is that of a full service from the 5 bar of the pipe.
+AAR S-401 limits it for new cars: 8.5, later 11, to 14 % loaded, and 15 to 38 % empty. The standard was not read; a
+secondary source has these numbers, from US patent 5927822 and Railinc's UMLER release notes of 2017. AAR states the
+ratio for a full service from 90 psi (64 psi in the cylinder). Here it is that of a full service from the pipe's 5 bar.
 """
 
 from __future__ import annotations

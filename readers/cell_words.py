@@ -6,8 +6,6 @@ here if it means one choice alone; those that may mean several are in `SEVERAL`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from readers.column_words import plain
 
 _YES, _NO = ("ja", "oui"), ("nein", "non")
@@ -63,7 +61,7 @@ SEVERAL: dict[str, dict[str, str]] = {
 }
 
 
-def spellings(column: str, words: Iterable[str]) -> tuple[tuple[str, str], ...]:
+def spellings(column: str, words: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     """Return the further spellings of a column's words, as `plain` returns them, each with its word."""
     of_column = CELL_WORDS.get(column, {})
     return tuple((plain(spelling), word) for word in words for spelling in of_column.get(word, ()))

@@ -15,7 +15,7 @@ from readers.usual import almost_0, is_almost_0, likely_unit
 
 #: A number and its unit.
 NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
-#: A number with a decimal comma, and one that may have a separator of thousands, with what is behind them.
+#: A number with a decimal comma, and one that may have a separator of thousands; a unit may follow.
 COMMA = re.compile(r"\s*[+-]?\d*,\d+.*")
 THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d).*")
 #: SI units in a unit of columns and entries, by which a value is multiplied.

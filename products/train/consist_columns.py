@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 from brake_controller.distributors import BRAKES, pneumatic
@@ -190,16 +191,16 @@ def remedies(name: str) -> dict[str, str]:
     return SEVERAL.get(name, {}) | (NOT_MODELLED if name in ("brake", "distributor") else {})
 
 
-def _column_of_words(name: str, couplers: Iterable[str] = ()) -> Column:
-    is_kind, words = name == "kind", choices(name)
-    allowed = (*words, *(couplers if name == "coupler" else ()))
-    found = Column(name, words=allowed, required=is_kind, filled=is_kind, as_written=True)
+@lru_cache
+def _column_of_words(name: str, words: tuple[str, ...]) -> Column:
+    is_kind = name == "kind"
+    found = Column(name, words=words, required=is_kind, filled=is_kind, as_written=True)
     return replace(found, remedies=tuple(remedies(name).items()), meanings=spellings(name, words))
 
 
 def columns() -> list[Column]:
     """Return the columns of a CSV file: empty cells leave a value to its default."""
-    found = [_column_of_words(name) for name in WORDS]
+    found = [_column_of_words(name, choices(name)) for name in WORDS]
     found += [Column(name, filled=False, text=True, longest=longest) for name, longest in TEXTS.items()]
     found += [
         Column(number.name, number.unit, number.least, number.most, False, False, (), number.whole, as_written=True)
@@ -223,7 +224,8 @@ def values_of(
     found: dict[str, Any] = {}
     for name, value in with_columns(row, (*NAMES, *IDLE), notes).items():
         if name in WORDS:
-            found[name] = _word(_column_of_words(name, couplers), value, notes)
+            words = (*choices(name), *(couplers if name == "coupler" else ()))
+            found[name] = _word(_column_of_words(name, words), value, notes)
         elif name in IDLE:
             notes[idle_note(name)] = None
         elif name in TEXTS:
@@ -248,7 +250,7 @@ def _word(column: Column, value: Any, notes: dict[str, None]) -> str:
         text = plain(value) if isinstance(value, str) else ""
         remedy = dict(column.remedies).get(text, "Choose one.")
         raise ValueError(f"{column.name} must be one of {', '.join(column.words)}; got {shown(value)}. {remedy}")
-    if plain(word) != plain(value):
+    if word != value and plain(word) != plain(value):
         notes[word_read_as(value, column.name, word)] = None
     return word
 

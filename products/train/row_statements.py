@@ -1,4 +1,4 @@
-"""What a row of a consist may state in several ways: its mass and its brake, as the columns that build a vehicle.
+"""Mass and brake of a vehicle, which a row of a consist may state in several ways, as the columns that build it.
 
 A brake weight B [t] of a mass m [t] is lambda = 100 B / m (UIC 544-1). A net braking ratio is a force of shoes over the
 weight (AAR S-401); American cars that state no force have that of `net_braking_ratio.py`.
@@ -76,10 +76,9 @@ def check_statements(row: Row) -> None:
 
 def is_american(values: Row) -> bool:
     """Return whether a row is a wagon with the reservoirs and valves of North American freight cars."""
-    distributor = distributors().get(values.get("distributor", ""))
-    by_pipe = values.get("brake", "pneumatic") == "pneumatic"
-    is_car = distributor is not None and isinstance(distributor.ready("P"), FreightCar)
-    return bool(values["kind"] == "wagon" and by_pipe and is_car)
+    if values["kind"] != "wagon" or "distributor" not in values or values.get("brake", "pneumatic") != "pneumatic":
+        return False
+    return issubclass(distributors()[values["distributor"]].parameters, FreightCar)
 
 
 def cut_out(values: Row) -> dict[str, Any]:
@@ -92,7 +91,7 @@ def cut_out(values: Row) -> dict[str, Any]:
 
 
 def resolved(values: Row, notes: dict[str, None]) -> dict[str, Any]:
-    """Return a checked row with mass, lambda and shoe_force in place of what states them. Raises ValueError.
+    """Return a checked row with mass, lambda and shoe_force instead of other statements of these. Raises ValueError.
 
     notes: get a message for a force that is assumed.
     """
