@@ -82,6 +82,16 @@ def slide_sources(parameters: SlideProtectionParameters | None = None) -> dict[s
     return {name: (RIG / name).read_text(encoding="utf-8") for name in FILES} | {"slide_thresholds.h": header}
 
 
+def controlled() -> dict[str, str]:
+    """Return the C of the sensors and of the built-in protection, by file name."""
+    return {name: (RIG / name).read_text(encoding="utf-8") for name in ("encoder.c", "encoder.h")} | slide_sources()
+
+
+def guarded() -> dict[str, str]:
+    """Return the same, and the C that calls a controller in guarded memory."""
+    return {name: (RIG / name).read_text(encoding="utf-8") for name in ("guarded.c", "guarded.h")} | controlled()
+
+
 def one_file() -> str:
     """Return the C code of the protection as one file, which includes wheel_slide.h and the standard library only."""
     sources = slide_sources()

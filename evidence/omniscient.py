@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brake_controller.wheel_slide import APPLY, HOLD, VENT
+from products.controller_kinds import Outside
 from products.machine import Machine, filling_by_flow, filling_by_time
-from products.protection.controller_kinds import Outside
 from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.rig import Loop, Rig
 from products.protection.rig_in_c import DONE, RUNS

@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bogie_braking.reporting.scenario import BadInputError
-from brake_controller.slide_protection import RIG
 from brake_controller.wheel_spin import SpinProtection
 from fmu_src.archive import ArchiveError
 from fmu_src.compile import CompilerError
-from products.protection.controller_kinds import Arrays, Form, InC, compiled
+from products.controller_kinds import PUBLIC, Arrays, Form, InC, compiled
 from products.protection.own_process import Apart
 from products.protection.rig_in_c import slide_protection
 from readers.text import FileError
@@ -30,8 +29,6 @@ if TYPE_CHECKING:
 Given = Form | Apart
 #: Controllers of every comparison, before the given ones.
 ALWAYS = ("none", "protection")
-#: Protections from public descriptions, by name.
-PUBLIC = {"dump-valve": RIG / "dump_valve.c"}
 LIBRARIES = (".so", ".dll", ".dylib")
 KINDS = (*LIBRARIES, ".c", ".fmu")
 #: FILE.py:CLASS, with or without the gains of the class.

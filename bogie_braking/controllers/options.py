@@ -11,8 +11,8 @@ from pathlib import Path
 from bogie_braking.controllers.controller_loader import Given
 from bogie_braking.controllers.scoring import FEW, LOOKS, DrawsPlan
 from bogie_braking.reporting.scenario import BadInputError
+from products.controller_kinds import InC
 from products.machine import MACHINES, Machine
-from products.protection.controller_kinds import InC
 from products.protection.own_process import Apart
 from products.protection.programme import PROGRAMMES, Case, four_rails, read_programme
 from products.protection.rails import RAILS

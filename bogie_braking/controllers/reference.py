@@ -29,7 +29,7 @@ from bogie_braking.controllers.replay import commands_of
 from bogie_braking.reporting.scenario import BadInputError
 from brake_controller.slide_protection import OWN_HEADER, one_file, slide_sources
 from brake_controller.wheel_slide import Supervised
-from products.protection.controller_kinds import single
+from products.controller_kinds import single
 from products.protection.own_process import Apart, NoControllerError, ProcessEndedError, called_apart
 from products.protection.reference_stops import MOST, STOPS, Look, ReferenceStop, looks_of
 from readers.storage import write_whole

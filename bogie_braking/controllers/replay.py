@@ -39,7 +39,7 @@ from brake_controller.wheel_slide import APPLY, COMMANDS, HOLD, VENT, Controller
 from fmu_src.cosimulation.arrays import log_from, named_arrays
 from fmu_src.cosimulation.measured import table_from
 from fmu_src.cosimulation.recording import Recording
-from products.protection.controller_kinds import single
+from products.controller_kinds import single
 from products.protection.own_process import Apart, NoControllerError, ProcessEndedError, called_apart
 from products.protection.settings import LONGEST_PERIOD
 from readers.command_line import quantity

@@ -12,12 +12,12 @@ from bogie_braking.reporting.motion import drawn
 from bogie_braking.reporting.progress import counting
 from bogie_braking.web.frame import filled, packed
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TEETH, TIMER
+from brake_controller.slide_protection import controlled
 from fmu_src import __version__
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import web_module
 from products.machine import FULL_PRESSURE
 from products.prebuilt import PAGE, prebuilt_page
-from products.protection.rig_in_c import controlled
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import size_of
 from readers.storage import write_whole

@@ -7,10 +7,6 @@
 
 #include "wheel_slide.h"
 
-/* Guard bytes after the memory of a controller, and guard numbers after its valves, which it must not change. The numbers
- * are invalid commands. */
-enum { GUARD = 1024, GUARD_VALVES = 64, GUARDED = 0x5a };
-
 /* A kernel_status above this: the step failed, or the run has ended by itself. */
 #define WORKS 1
 
@@ -34,7 +30,6 @@ struct rig {
     rig_run *run;
     rig_score *score;
     rig_notes notes;
-    unsigned char guard[GUARD];
 };
 
 static void *room(size_t count, size_t size) { return calloc(count ? count : 1, size ? size : 1); }
@@ -45,7 +40,6 @@ rig *rig_create(long long int rows, const rig_settings *settings, const rig_cont
     self->settings = *settings;
     self->controller = *controller;
     self->desk = *desk;
-    memset(self->guard, GUARDED, GUARD);
     self->rows = rows;
     self->run = (rig_run *)room((size_t)rows, sizeof *self->run);
     self->score = (rig_score *)room((size_t)rows, sizeof *self->score);
@@ -57,7 +51,7 @@ rig *rig_create(long long int rows, const rig_settings *settings, const rig_cont
         one->wheelset = (rig_wheelset *)room(n, sizeof *one->wheelset);
         one->seen = (double *)room(n * (size_t)(5 + settings->encoder.pulses), sizeof(double));
         one->valve = (int *)room(n, sizeof(int));
-        one->memory = room(1, controller->size + GUARD);
+        one->memory = room(1, guarded_bytes(controller));
         whole = one->sensor && one->wheelset && one->seen && one->valve && one->memory;
         if (!whole) break;
         one->locked = one->seen + n;
@@ -86,16 +80,9 @@ void rig_free(rig *self) {
     free(self);
 }
 
-/* True if a controller in C changed nothing beyond its memory, nor beyond its valves. */
-static bool kept_to_itself(const rig *self, const rig_run *one, const int *valve) {
-    return !memcmp((const char *)one->memory + self->controller.size, self->guard, GUARD) &&
-           (!valve || !memcmp(valve + self->settings.wheelsets, self->guard, GUARD_VALVES * sizeof *valve));
-}
-
 static void gone_beyond(rig *self, long long int row) {
     rig_give_up(self, row);
     self->score[row].valve = RIG_BEYOND;
-    memcpy((char *)self->run[row].memory + self->controller.size, self->guard, GUARD);
 }
 
 void rig_begin(rig *self, long long int row, double end_speed, const double *error, const rig_wheelset *wheelset) {
@@ -118,10 +105,7 @@ void rig_begin(rig *self, long long int row, double end_speed, const double *err
     self->score[row].failed_at = NAN;
     self->score[row].reservoir = s->reservoir ? INFINITY : 0.0;
     if (!self->controller.step) return;
-    memset(one->memory, 0, self->controller.size);
-    memcpy((char *)one->memory + self->controller.size, self->guard, GUARD);
-    self->controller.start(one->memory, s->wheelsets, s->period);
-    if (!kept_to_itself(self, one, NULL)) gone_beyond(self, row);
+    if (!guarded_start(&self->controller, one->memory, s->wheelsets, s->period)) gone_beyond(self, row);
 }
 
 /* Number of outputs of a vehicle. */
@@ -296,14 +280,12 @@ bool rig_between(void *context, long long int first, long long int count, const 
     for (long long int i = 0; i < count; ++i) {
         const long long int row = first + i;
         double wheel_speed[RIG_MOST];
-        int valve[RIG_MOST + GUARD_VALVES];
+        int valve[RIG_MOST];
         if (!sample(self, row, status[i], outputs + (size_t)i * width(&self->settings), wheel_speed)) continue;
         memcpy(valve, self->run[row].valve, (size_t)n * sizeof *valve);
-        memcpy(valve + n, self->guard, GUARD_VALVES * sizeof *valve);
         if (isnan(self->score[row].failed_at) && self->controller.step) {
             const double time = (double)self->run[row].samples * self->settings.period;
-            self->controller.step(self->run[row].memory, time, wheel_speed, valve);
-            if (kept_to_itself(self, &self->run[row], valve)) take(self, row, valve);
+            if (guarded_step(&self->controller, self->run[row].memory, n, time, wheel_speed, valve)) take(self, row, valve);
             else gone_beyond(self, row);
         }
         set(self, row, inputs + i * 2 * n);

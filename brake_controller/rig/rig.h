@@ -8,6 +8,7 @@
 #include <stddef.h>
 
 #include "encoder.h"
+#include "guarded.h"
 
 #if defined(_WIN32)
 #define RIG_SHOWN __declspec(dllexport)
@@ -30,13 +31,6 @@ typedef struct {
     encoder_settings encoder;
 } rig_settings;
 
-/* A controller in C: wheel_slide.h; if `step` is NULL, Python answers. */
-typedef struct {
-    void (*start)(void *memory, int wheelsets, double period);
-    void (*step)(void *memory, double time, const double *wheel_speed, int *valve);
-    size_t size;
-} rig_controller;
-
 /* Output of a sensor from a given time on: the true speed; its last reading; 0; twice the true speed. */
 enum { SENSOR_WORKS = 0, SENSOR_STUCK = 1, SENSOR_ZERO = 2, SENSOR_DOUBLED = 3 };
 
@@ -52,9 +46,6 @@ enum { RIG_RUNS = 0, RIG_DONE = 1, RIG_TOO_LONG = 2, RIG_LOST = 3 };
 
 /* Replaces the number of a valve if the controller wrote beyond its memory or beyond its valves. */
 enum { RIG_BEYOND = -1 };
-
-/* Largest number of wheelsets of a vehicle. */
-#define RIG_MOST 16
 
 /* Results of a run, all numbers at its end. */
 typedef struct {
@@ -93,7 +84,8 @@ typedef struct rig rig;
  * [rad/s], cylinder pressure [Pa] (if driven, motor torque [N.m]), creep force [N] and load [N]. Then, if it has a
  * reservoir, air taken [kg] and pressure [Pa]. Inputs of a vehicle: demands of all wheelsets, then their valves. */
 
-/* Returns NULL if out of memory, or if a vehicle has more than RIG_MOST wheelsets. */
+/* controller: if its `step` is NULL, Python answers. Returns NULL if out of memory, or if a vehicle has more than RIG_MOST
+ * wheelsets. */
 RIG_SHOWN rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller,
                           const rig_desk *desk);
 RIG_SHOWN void rig_free(rig *self);

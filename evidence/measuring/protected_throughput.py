@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from bogie_braking.reporting.report import Row, measured
 from bogie_braking.reporting.timing import least
+from products.controller_kinds import Arrays, Form, compiled
 from products.machine import bogie
-from products.protection.controller_kinds import Arrays, Form, compiled
 from products.protection.draws import drawn_run
 from products.protection.environment import Environment
 from products.protection.rig import Rig

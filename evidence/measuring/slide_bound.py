@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 
 from bogie_braking.reporting import plots
 from evidence.omniscient import of_all, shortest
+from products.controller_kinds import Form, compiled
 from products.machine import MACHINES, Machine, filling_by_flow, filling_by_time
-from products.protection.controller_kinds import Form, compiled
 from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.rig import Rig
 from products.protection.rig_in_c import RIG, slide_protection

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from brake_controller.wheel_slide import APPLY, VENT
+from products.controller_kinds import Outside
 from products.machine import Machine
-from products.protection.controller_kinds import Outside
 from products.protection.cost import cost, cost_of_no_stop, rolling_stop
 from products.protection.rig import Loop, Rig, as_commands
 from products.protection.rig_in_c import LOST, RUNS, TOO_LONG

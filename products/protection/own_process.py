@@ -18,8 +18,8 @@ from typing import Any, TypeVar, cast
 
 from brake_controller.wheel_slide import GUARD, NOT_JUDGED
 from fmu_src.kernel import ERROR, SimulationError
+from products.controller_kinds import Form
 from products.machine import Machine
-from products.protection.controller_kinds import Form
 from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
 from products.protection.settings import Settings

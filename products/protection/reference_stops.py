@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
-from products.protection.controller_kinds import OneInC
+from products.controller_kinds import OneInC
 from products.protection.rig_in_c import slide_protection
 
 #: Largest number of wheelsets of a stop, and of columns of the table.

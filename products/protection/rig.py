@@ -40,6 +40,7 @@ from brake_controller.wheel_slide import (
 )
 from fmu_src.batch import Instances
 from fmu_src.suggestion import suggestion
+from products.controller_kinds import Arrays, Form, FunctionsInC, InC, ManyControllers, Outside, at_once
 from products.machine import (
     CYLINDER_VOLUME,
     DYNAMIC_BRAKE,
@@ -52,7 +53,6 @@ from products.machine import (
 )
 from products.protection import rig_in_c
 from products.protection.compiled_machine import machine_library, machine_table, own_values
-from products.protection.controller_kinds import Arrays, Form, FunctionsInC, InC, ManyControllers, Outside, at_once
 from products.protection.history import Notebook
 from products.protection.rails import ABOVE, BAND, JERK_TIME, LOCK_ABOVE
 from products.protection.rig_in_c import BEYOND, DONE, LOST, RUNS, SCORE, TOO_LONG, RigWheelset

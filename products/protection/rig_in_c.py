@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from brake_controller.protection_fmu import MOST_WHEELSETS
-from brake_controller.slide_protection import RIG, slide_sources
+from brake_controller.slide_protection import RIG, guarded
 from fmu_src.compile import library_suffix, loaded, plain_library
 from fmu_src.native_fmu import binary_for
+from products.controller_kinds import FunctionsInC, InC
 from products.prebuilt import prebuilt_from_these
-from products.protection.controller_kinds import FunctionsInC, InC
 
 
 class SensorSettings(ctypes.Structure):
@@ -83,14 +83,9 @@ BEYOND = -1
 SHIPPED = "rig/rig"
 
 
-def controlled() -> dict[str, str]:
-    """Return the C of the sensors and of the built-in protection, by file name."""
-    return {name: (RIG / name).read_text(encoding="utf-8") for name in ("encoder.c", "encoder.h")} | slide_sources()
-
-
 def sources() -> dict[str, str]:
     """Return the C of the rig with its sensors and the built-in protection, by file name."""
-    return {name: (RIG / name).read_text(encoding="utf-8") for name in ("rig.c", "rig.h")} | controlled()
+    return {name: (RIG / name).read_text(encoding="utf-8") for name in ("rig.c", "rig.h")} | guarded()
 
 
 def binary_of_rig(targets: Sequence[str]) -> bytes:

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import astuple
 
 from brake_controller.slide_protection import SlideProtectionParameters, common_protection
+from products.controller_kinds import OneInC
 from products.protection import rig_in_c
-from products.protection.controller_kinds import OneInC
 
 
 class SlideProtection:

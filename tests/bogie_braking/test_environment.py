@@ -15,8 +15,8 @@ import pytest
 
 from evidence.measuring.protected_throughput import LetAllGo
 from fmu_src.kernel import SimulationError
+from products.controller_kinds import Arrays
 from products.machine import CYLINDER_VOLUME, bogie, coach
-from products.protection.controller_kinds import Arrays
 from products.protection.cost import AT_LIMIT, FILLINGS, NO_STOP, rolling_stop
 from products.protection.draws import FRICTIONS, SPEEDS, drawn_run
 from products.protection.environment import Environment

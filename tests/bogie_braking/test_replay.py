@@ -12,7 +12,7 @@ import pytest
 import bogie_braking as bb
 from bogie_braking.__main__ import main
 from bogie_braking.controllers.replay import read_log, replay
-from products.protection.controller_kinds import compiled
+from products.controller_kinds import compiled
 from products.protection.slide_protection import SlideProtection
 
 LET_GO = "class LetGo:\n    def step(self, time, v):\n        return [2 if one < 0.8 * max(v) else 0 for one in v]\n"

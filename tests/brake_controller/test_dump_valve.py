@@ -3,7 +3,7 @@
 import pytest
 
 from bogie_braking.controllers.controller_loader import controller_of
-from products.protection.controller_kinds import OneInC, compiled
+from products.controller_kinds import OneInC, compiled
 from products.protection.rig_in_c import RIG
 
 APPLY, VENT = 0, 2

@@ -20,8 +20,8 @@ from fmu_src.compile import library_suffix
 from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.kernel import Kernel, Library
 from products import building, prebuilt
+from products.controller_kinds import InC
 from products.protection import rig_in_c
-from products.protection.controller_kinds import InC
 
 PLATFORM = next(tag for tag in platform_tags() if tag in release.WHEELS)
 

@@ -14,7 +14,8 @@ from fmu_src import batch, kernel
 from fmu_src.codegen import RUNTIME
 from fmu_src.compile import compiler
 from fmu_src.objects import ARRAYS, KERNEL
-from products.protection import controller_kinds, rig_in_c
+from products import controller_kinds
+from products.protection import rig_in_c
 from products.train import library
 from products.train.layout_in_c import layout_in_c
 

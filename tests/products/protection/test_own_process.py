@@ -15,9 +15,9 @@ from brake_controller.wheel_slide import NOT_JUDGED
 from evidence.measuring.protected_throughput import SHARE, SOURCE, LetGo
 from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.kernel import SimulationError
+from products.controller_kinds import InC, compiled
 from products.machine import bogie, coach
 from products.protection import in_fmu as in_fmu_module
-from products.protection.controller_kinds import InC, compiled
 from products.protection.in_fmu import InFmu, Names
 from products.protection.own_process import Apart, Limits, NoControllerError, Order, called_apart, runs_apart
 from products.protection.rails import RAILS

@@ -9,7 +9,7 @@ import pytest
 from bogie_braking.__main__ import main
 from bogie_braking.controllers import reference
 from brake_controller.slide_protection import one_file, slide_sources
-from products.protection.controller_kinds import InC, compiled
+from products.controller_kinds import InC, compiled
 from products.protection.reference_stops import STOPS, looks_of
 from tests.needed import needed
 

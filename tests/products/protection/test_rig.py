@@ -22,9 +22,9 @@ from brake_controller.wheel_spin import SpinProtection
 from evidence.measuring.protected_throughput import SHARE, SOURCE, LetAllGo, LetGo
 from fmu_src.compile import FLAGS, compiler
 from products.bogie import FULL_PRESSURE, brake_values
+from products.controller_kinds import Arrays, Form, compiled
 from products.machine import APPLICATION_TIME, RELEASE_TIME, Machine, bogie, coach
 from products.protection import controller_kinds as forms_module
-from products.protection.controller_kinds import Arrays, Form, compiled
 from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.programme import OWN, Case, read_programme
 from products.protection.rails import ABOVE, JERK_TIME, RAILS
@@ -814,14 +814,14 @@ def test_a_run_that_never_stops_keeps_its_speed(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_the_most_wheelsets_are_told_once_in_c_and_once_in_python() -> None:
-    [most] = re.findall(r"#define RIG_MOST (\d+)", (RIG / "rig.h").read_text())
+    [most] = re.findall(r"#define RIG_MOST (\d+)", (RIG / "guarded.h").read_text())
     assert int(most) == MOST_WHEELSETS
 
 
 @pytest.mark.study
 def test_the_rig_in_c_reads_and_writes_nothing_but_its_own(tmp_path: Path) -> None:
     """Under sanitizers: 16 wheelsets with failing sensors and valves, lost runs, failing controllers, and our own."""
-    files = [RIG / name for name in ("rig.c", "encoder.c", "slide_protection.c")]
+    files = [RIG / name for name in ("rig.c", "encoder.c", "guarded.c", "slide_protection.c")]
     flags = [flag for flag in FLAGS if flag != "-fvisibility=hidden"]
     (tmp_path / "slide_thresholds.h").write_text(slide_sources()["slide_thresholds.h"])
     own = [

@@ -22,10 +22,13 @@ from fmu_src.compile import plain_library
 from fmu_src.shared_library import fault_of
 
 Numbers = NDArray[np.float64]
-_START = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_double)
-_STEP = ctypes.CFUNCTYPE(
+#: Functions of wheel_slide.h, called from here or from C.
+START = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_double)
+STEP = ctypes.CFUNCTYPE(
     None, ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int)
 )
+#: Protections from public descriptions, by name.
+PUBLIC = {"dump-valve": RIG / "dump_valve.c"}
 #: Runs that go on together.
 AT_ONCE, AT_ONCE_IN_ARRAYS = 256, 1024
 
@@ -118,10 +121,10 @@ class OneInC:
     def __init__(self, form: InC, wheelsets: int, period: float) -> None:
         functions = form.functions(wheelsets)
         self._form = form  # keeps the library
-        self._step = _STEP(functions.step)
+        self._step = STEP(functions.step)
         self.wheelsets, self.memory = wheelsets, ctypes.create_string_buffer(max(functions.size, 1))
         self._valves = (ctypes.c_int * wheelsets)()
-        _START(functions.start)(self.memory, wheelsets, period)
+        START(functions.start)(self.memory, wheelsets, period)
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
         """Return valve commands of all wheelsets from their speeds [m/s]; a valve that is not set keeps its command.
