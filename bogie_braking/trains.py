@@ -10,6 +10,7 @@ import numpy as np
 
 from bogie_braking.checks import line_or_none, shown
 from bogie_braking.provenance import absent, encoded
+from bogie_braking.train_controllers import Controller, with_controllers
 from products.run_history import RunHistory
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist, TrainVehicle
@@ -33,6 +34,7 @@ def train(
     force_error: float = 0.05,
     releases: bool = True,
     settings: Settings | None = None,
+    protection: Controller | Mapping[int, Controller] = None,
 ) -> Train:
     """Return a train to be driven: `drive("emergency")`, `advance(1.0)`, `record(60.0)`.
 
@@ -52,6 +54,10 @@ def train(
         Whether the brake model must also describe brakes that are released.
     settings : Settings, optional
         Brake model and step size.
+    protection : dict of int to controller, or controller
+        Wheel-slide controllers by their vehicle, from 0, instead of those of the consist; or one for all vehicles with
+        a brake. A controller is "built-in", a class whose objects have `step(time, wheel_speeds)`, a file (.c, a
+        library, .fmu, FILE.py:CLASS), or None for no protection.
 
     Returns
     -------
@@ -78,8 +84,10 @@ def train(
         if settings is not None and value != usual:
             raise ValueError(f"{name} has no effect with settings, which state the brake model. Leave one out.")
     own, imported = consist_from_any(consist)
-    chosen = settings or select_brake_model(own, distance_error, force_error, bool(releases))
-    found = Train(own, speed=speed, line=line, settings=chosen)
+    own, controllers = with_controllers(own, protection)
+    released = bool(releases) or any(one.protection.controller for one in own.vehicles)
+    chosen = settings or select_brake_model(own, distance_error, force_error, released)
+    found = Train(own, speed=speed, line=line, settings=chosen, controllers=controllers)
     found.imported = imported
     arguments = {
         **{
@@ -88,6 +96,7 @@ def train(
             "line": encoded(line),
             "settings": encoded(settings),
         },
+        **({} if protection is None else {"protection": encoded(protection)}),
         **{"distance_error": encoded(distance_error), "force_error": encoded(force_error), "releases": bool(releases)},
     }
     found.run_history = RunHistory("train", arguments, found.mark)

@@ -157,6 +157,8 @@ COLUMN_WORDS: dict[str, Words] = {
     "wheels": (("Anzahl gebremster Räder",), ("nombre de roues freinées",)),
     "disc_mass": (("Bremsscheibenmasse",), ("masse du disque",)),
     "discs": (("Anzahl Bremsscheiben",), ("nombre de disques",)),
+    "protection": (("Gleitschutz",), ("antienrayeur",)),
+    "sample_time": (("Abtastzeit",), ("période d'échantillonnage",)),
     "parking_force": (("Feststellbremskraft",), ("effort de frein de stationnement",)),
     # Couplers
     "coupler": (("Kupplung",), ("attelage",)),

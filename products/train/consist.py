@@ -31,6 +31,7 @@ from brake_controller.parking_brake import NO_PARKING_BRAKE, ParkingBrake
 from brake_controller.track_brakes import NO_TRACK_BRAKES, TrackBrakes
 from brake_controller.traction import NO_TRACTION, Traction
 from brake_controller.vehicle_brake import FRICTIONS, VehicleBrake, brake_force
+from brake_controller.vehicle_protection import NO_PROTECTION, VehicleProtection
 from products.train.running_resistance import Formula, formula_of
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.vehicle import GRAVITY, MOTION
@@ -58,6 +59,7 @@ class TrainVehicle:
     whether it is the head's; valve_delay: delay after the first valve of the train [s], below 0: it does not follow.
     friction_ratio, friction_decay [s/m]: fall of the friction with the sliding speed (Polach (2005)).
     leak: effective area of the leaks of its pipe [m2]; branch: volume of its branches [m3]. adhesion: law by its name.
+    controller: of its wheel-slide protection: `none`, `built-in`, or a file.
     """
 
     kind: str
@@ -85,6 +87,8 @@ class TrainVehicle:
     parking: ParkingBrake = NO_PARKING_BRAKE
     traction: Traction = NO_TRACTION
     adhesion: str = "input"
+    protection: VehicleProtection = NO_PROTECTION
+    controller: str = "none"
 
     def motion(self) -> dict[str, float]:
         """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""

@@ -132,6 +132,14 @@ PARKING = by_name(
     Quantity("parking_gradient", "permille", 0.1, 300.0),
     Quantity("parking_time", "s", 0.0, 300.0),
 )
+#: Columns of the wheel-slide protection: its sensor, controller and magnet valves.
+SLIDE = by_name(
+    Quantity("wheel_diameter", "mm", 300.0, 1500.0),
+    Quantity("encoder_teeth", "1", 8, 1000, whole=True),
+    Quantity("sample_time", "ms", 1.0, 1000.0),
+    Quantity("valve_time", "s", 0.0, 1.0),
+    Quantity("vent_time", "s", 0.25, 20.0),
+)
 #: Columns of the coupler behind a vehicle, instead of numbers of the built-in one.
 COUPLING = by_name(
     Quantity("coupler_stiffness", "MN/m", 0.1, 1000.0),
@@ -140,7 +148,7 @@ COUPLING = by_name(
     Quantity("coupler_damping", "1", 0.0, 0.95),
     Quantity("coupler_strength", "kN", 10.0, 10e3),
 )
-NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING
+NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING | SLIDE
 #: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
 WORDS: dict[str, Collection[str]] = {
     "kind": tuple(KINDS),
@@ -161,8 +169,8 @@ WORDS: dict[str, Collection[str]] = {
 NOT_MODELLED = {
     "vacuum": "A vacuum brake is not modelled: take distributor = uic with its force, fill_time and release_time."
 }
-#: Columns of free text, a name and tables, with their largest numbers of characters.
-TEXTS = {"name": LONGEST_NAME} | dict.fromkeys(CELL_TABLES, 400)
+#: Columns of free text, a name, the file of a controller and tables, with their largest numbers of characters.
+TEXTS = {"name": LONGEST_NAME, "protection": 400} | dict.fromkeys(CELL_TABLES, 400)
 #: Columns of brake sheets that have no effect on a train, with the reason: they are left out, and told.
 IDLE = {
     "number": "numbers of vehicles have no effect",
@@ -178,6 +186,7 @@ NAMES = (
     *(*TRACTION, "traction_table", *HEAT, "fade_table", *TRACK, *PARKING),
     *(name for name in WORDS if name not in ("kind", "brake", "friction")),
     *COUPLING,
+    *("protection", *SLIDE),
 )
 
 

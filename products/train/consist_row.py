@@ -17,6 +17,7 @@ from products.train.consist_rules import check_rules
 from products.train.drive_columns import electric_of, row_of_electric, row_of_traction, traction_of
 from products.train.heat_columns import heat_of, row_of_heat
 from products.train.row_statements import FILLED_AS, cut_out, load_of, resolved
+from products.train.slide_columns import NOTHING, protection_of, row_of_protection, vented_of
 from products.train.track_columns import parking_of, row_of_track, track_of
 from rbd_model.train.coupler import COUPLERS, Coupler, with_numbers
 
@@ -40,13 +41,15 @@ def vehicle_of(
     values = resolved(values, notes)
     one = replace(_body_of(values), coupler=_coupler_of(values, couplers))
     one = replace(one, track=track_of(values, one.mass), parking=parking_of(values, one.mass))
-    one = replace(one, distributor=distributor_of(values, one.distributor))
+    one = replace(one, distributor=vented_of(values, distributor_of(values, one.distributor)))
     if values.get("brake") == "none":
         one = replace(one, brake=braked_with(0.0))
     elif OF_BRAKE & set(values):
         one = replace(one, brake=brake_of(values, one))
     one = replace(one, electric=electric_of(values, one.distributor), heat=heat_of(values, one.brake))
     one = replace(one, traction=traction_of(values), adhesion=values.get("adhesion", "input"))
+    controller = values.get("protection", NOTHING)
+    one = replace(one, protection=protection_of(values, one.distributor), controller=controller)
     return _with_valve(values, one), values
 
 
@@ -63,6 +66,7 @@ def row_of(train_vehicle: TrainVehicle) -> Row:
     row |= row_of_brake(train_vehicle) | row_of_distributor(train_vehicle)
     row |= row_of_electric(train_vehicle.electric) | row_of_traction(train_vehicle.traction)
     row |= row_of_heat(train_vehicle.heat) | row_of_track(train_vehicle.track, train_vehicle.parking)
+    row |= row_of_protection(train_vehicle.protection, train_vehicle.controller, train_vehicle.distributor)
     row |= {} if train_vehicle.adhesion == "input" else {"adhesion": train_vehicle.adhesion}
     if train_vehicle.friction_ratio != 1.0:
         row |= {"friction_ratio": train_vehicle.friction_ratio, "friction_decay": train_vehicle.friction_decay}

@@ -13,7 +13,7 @@ from brake_controller.distributors.uic import UIC
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.cell_tables import points_in
 from products.train.consist import EMPTY, EMPTY_UP_TO, PERCENTAGE
-from products.train.consist_columns import COUPLING, FORCE, HEAT, TRACK, TRACTION
+from products.train.consist_columns import COUPLING, FORCE, HEAT, SLIDE, TRACK, TRACTION
 from products.train.row_statements import STATEMENTS, check_mass, check_statements, is_american
 
 Row = Mapping[str, Any]
@@ -43,6 +43,7 @@ def facts_of(values: Row, own_coupler: bool) -> dict[str, Any]:
         "a valve": values.get("valve", "head" if kind == "locomotive" else "none") != "none",
         "no rotating mass": values.get("rotating") == 0.0,
         "an American car": is_american(values),
+        "a protection": values.get("protection", "none") != "none",
     }
     return found | {fact: True for fact, holds in facts.items() if holds}
 
@@ -221,6 +222,18 @@ RULES: tuple[Rule, ...] = (
     needs(["parking_time", "parking_compounding"], _PARKING),
     excludes(_PARKING[:1], _PARKING[1:], "a parking brake must be stated once; got {name} and {other}. Leave one out."),
     excludes(["release_time"], ["retainer = slow-direct"], f"{{name}} has no effect with {{other}}. {LEAVE_ONE}"),
+    needs(
+        [name for name in SLIDE if name != "vent_time"],
+        ["a protection"],
+        "{name} must come with protection = built-in or a file. Add it, or leave {name} out.",
+    ),
+    excludes(["a protection"], ["brake = none"], "protection has no effect with brake = none. Leave it out."),
+    excludes(["vent_time"], ["brake = none"], IDLE),
+    excludes(
+        ["no rotating mass"],
+        ["a protection"],
+        "rotating must be above 0 % on a vehicle with a protection; got 0. Raise it, or leave it out.",
+    ),
     needs(
         ["delay"],
         ["valve = second"],

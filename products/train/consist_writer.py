@@ -73,7 +73,7 @@ def _cell(name: str, value: Any) -> str:
     if name in NUMBERS:
         return _number(name, value)
     quote = '"'
-    return f'"{value.replace(quote, 2 * quote)}"' if name == "name" and value else str(value)
+    return f'"{value.replace(quote, 2 * quote)}"' if name in ("name", "protection") and value else str(value)
 
 
 def coupler_tables_of(consist: Consist) -> list[dict[str, Any]]:
@@ -132,6 +132,7 @@ def _numbers(train_vehicle: TrainVehicle) -> dict[str, Any]:
         | train_vehicle.track.values()
         | train_vehicle.parking.values()
     )
+    own |= {f"protection: {name}": value for name, value in train_vehicle.protection.values().items()}
     own["adhesion"] = ADHESIONS[train_vehicle.adhesion]
     own |= {f"traction: {name}": value for name, value in train_vehicle.traction.values().items()}
     own["coupler_strength"] = min(train_vehicle.coupler.strength, UNBREAKABLE)

@@ -8,14 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
+from brake_controller.protection_fmu import HEADER
 from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, ArrayVariable
+from fmu_src.c_literals import c_text
+from products.controller_kinds import PUBLIC
 from products.train import layout
 from products.train.consist import Consist, block_train
 from products.train.consist_writer import toml_of_rows
 from products.train.imported_consist import consist_from
 from products.train.layout import START_FRICTION, START_PIPE_PRESSURE, Array
-from products.train.library import FOLDER, sources
-from products.train.numbers import Settings, numbers_of
+from products.train.library import FOLDER, own_controllers_in_c, sources
+from products.train.numbers import Settings, numbers_of, own_files
 from rbd_model.track.line import Line, read_line
 
 NAME = "TrainDynamics"
@@ -52,11 +55,27 @@ def _places() -> str:
     )
 
 
-def train_in_c() -> ArraysInC:
-    """The train's object in C with its arrays."""
+def train_in_c(controllers: Sequence[str] = ()) -> ArraysInC:
+    """The train's object in C with its arrays, and with controllers of users in C. Raises ValueError, OSError."""
     own = {"train_fmu.c": (FOLDER / "train_fmu.c").read_text(encoding="utf-8"), "train_arrays.h": _places()}
     about = "A train: brake pipe, distributors, couplers, wheels that roll or slide; driven by its brake valves"
-    return ArraysInC(NAME, about, ARRAYS, sources() | own)
+    theirs = {f"own_{n}.c": controller_in_c(text, n) for n, text in enumerate(controllers, 1)}
+    own["own_controllers.h"] = own_controllers_in_c(len(theirs))
+    foreign = (HEADER, *theirs) if theirs else ()
+    return ArraysInC(NAME, about, ARRAYS, sources() | own | theirs, foreign=foreign)
+
+
+def controller_in_c(text: str, number: int) -> str:
+    """Return the C file of a user's controller, with functions of its own names. Raises ValueError, OSError."""
+    path = PUBLIC.get(text, Path(text))
+    if path.suffix != ".c":
+        raise ValueError(
+            f"The controller of a train's FMU must be built-in or a C file; got {text}. Write it in C, or couple it as "
+            "an FMU of its own: connect wheel_speed and the input protection."
+        )
+    names = ("size", "start", "step")
+    renamed = "".join(f"#define wheel_slide_{name} own_{number}_{name}\n" for name in names)
+    return f"{renamed}#line 1 {c_text(path.name)}\n{path.read_text(encoding='utf-8')}"
 
 
 def train_fmu(
@@ -75,7 +94,9 @@ def train_fmu(
     starts[names.index("friction")] = [START_FRICTION] * vehicles
     starts[names.index("coupling_closed")] = [1.0] * (vehicles - 1)
     numbers = np.ascontiguousarray(numbers_of(consist, settings or Settings(), line), "<f8")
-    return ArraysFmu(train_in_c(), lengths, starts, 0.01, 60.0, {"train.bin": numbers.tobytes()}, title)
+    return ArraysFmu(
+        train_in_c(own_files(consist)), lengths, starts, 0.01, 60.0, {"train.bin": numbers.tobytes()}, title
+    )
 
 
 def train_of_files_fmu(

@@ -23,6 +23,7 @@ from brake_controller.parking_brake import ParkingBrake
 from brake_controller.track_brakes import TrackBrakes
 from brake_controller.traction import Traction
 from brake_controller.vehicle_brake import VehicleBrake
+from brake_controller.vehicle_protection import VehicleProtection
 from fmu_src.system import ParameterSet
 from fmu_src.variables import Field
 from rbd_model.train.adhesion import ADHESION
@@ -108,6 +109,7 @@ def _found(name: str, unit: str, text: str, of: str = "one") -> Array:
     return Array(name, unit, -math.inf, math.inf, text, of=of)
 
 
+_STATE = "Wheel-slide protection of each vehicle: 0 applies, 1 holds, 2 releases, 3 failed and applies"
 _WORK = "Heat of each friction brake so far; 0 if the train has no warm brakes, electric brakes or traction"
 #: Outputs, and numbers of the run.
 OUTPUTS = (
@@ -128,6 +130,8 @@ OUTPUTS = (
     _found("traction_force", "N", "Force of each vehicle's motors at the rims, without the input pull", "vehicles"),
     _found("traction_energy", "J", "Work of each vehicle's motors at the rims so far", "vehicles"),
     _found("electric_brake_energy", "J", "Work that each electric brake has taken at the rims so far", "vehicles"),
+    _found("protection_state", "1", _STATE, "vehicles"),
+    _found("protection_air", "kg", "Air that has filled each protected vehicle's cylinders so far", "vehicles"),
 )
 SUMS = (
     _found("time", "s", "Time of the run"),
@@ -222,6 +226,7 @@ def layout() -> tuple[Group, ...]:
         Group("strength", "couplings", (Field("strength", "N", 1.0, UNBREAKABLE, "the strength of a coupler"),)),
         Group("valve", "valves", VALVE),
         Group("point", "points", _POINT),
+        Group("slide", "vehicles", _of(VehicleProtection, 1e12)),
     )
 
 

@@ -12,6 +12,9 @@ from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLIN
 from brake_controller.drive import MOST_DRIVE_POINTS
 from brake_controller.electric_brake import DEMANDED
 from brake_controller.parking_brake import SCREWED
+from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
+from brake_controller.protection_fmu import LARGEST_MEMORY
+from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER
 from brake_controller.track_brakes import ORDERED
 from brake_controller.traction import COMMANDED as DRIVEN
 from fmu_src.c_literals import c_array, c_number, c_text
@@ -41,6 +44,8 @@ def layout_in_c() -> str:
     """Return train_layout.h: names of rows and arrays, their number, and constants shared with Python."""
     shared = {"GRAVITY": GRAVITY, "GAS_CONSTANT": GAS_CONSTANT, "AMBIENT": AMBIENT, "START_FRICTION": START_FRICTION}
     shared |= {"UNBREAKABLE": UNBREAKABLE, "SURROUNDINGS": SURROUNDINGS}
+    shared |= {"ENCODER_GATE": GATE, "ENCODER_TIMER": TIMER, "ENCODER_LOWEST_FREQUENCY": LOWEST_FREQUENCY}
+    shared |= {"TIME_CONSTANTS_TO_95_PERCENT": TIME_CONSTANTS_TO_95_PERCENT}
     counts = [f"    counts[OF_{name.upper()}] = {text};" for name, text in _owners().items()]
     return "\n".join(
         [
@@ -48,7 +53,7 @@ def layout_in_c() -> str:
             "#ifndef TRAIN_LAYOUT_H\n#define TRAIN_LAYOUT_H\n",
             *(f"static const double {name} = {value!r};" for name, value in shared.items()),
             f"enum {{ MOST_VALVES = {MOST_VALVES} }};",
-            f"enum {{ MOST_DRIVE_POINTS = {MOST_DRIVE_POINTS} }};",
+            f"enum {{ MOST_DRIVE_POINTS = {MOST_DRIVE_POINTS}, LARGEST_MEMORY = {LARGEST_MEMORY} }};",
             f"enum {{ CURVES = {len(CURVES)}, POINTS = {POINTS}, FEW_POINTS = {FEW_POINTS} }};",
             _enum("of", _owners(), "LAYOUT_OWNERS"),
             _enum("group", (one.name for one in layout()), "LAYOUT_GROUPS"),

@@ -26,6 +26,7 @@ from brake_controller.distributors import BUILT_IN, distributors
 from brake_controller.distributors.distributor import Distributor
 from brake_controller.electric_brake import blending
 from brake_controller.parking_brake import parking
+from brake_controller.slide_protection import guarded
 from brake_controller.track_brakes import track_braking
 from brake_controller.traction import driving
 from brake_controller.vehicle_brake import braking
@@ -74,7 +75,8 @@ def sources() -> dict[str, str]:
 def _sources(kinds: tuple[Distributor, ...]) -> dict[str, str]:
     files = [path for path in sorted(FOLDER.glob("*.[ch]")) if not path.name.endswith("_fmu.c")]
     texts = {path.name: path.read_text(encoding="utf-8") for path in files}
-    texts |= {"train_layout.h": layout_in_c(), "train_fields.h": fields_in_c()}
+    texts |= {"train_layout.h": layout_in_c(), "train_fields.h": fields_in_c()} | guarded()
+    texts["own_controllers.h"] = own_controllers_in_c(0)
     for name, text in _cells(kinds).items():
         if name == "coupler":  # an FMU of its own
             continue
@@ -85,6 +87,18 @@ def _sources(kinds: tuple[Distributor, ...]) -> dict[str, str]:
                 f'#include "lanes_widest.h"\n#include "{name}_inside.h"\n#if LANES_WIDEST >= {lanes}\n{loops}#endif\n'
             )
     return texts
+
+
+def own_controllers_in_c(count: int) -> str:
+    """Return own_controllers.h: the functions of users' controllers by their prefixes own_1, own_2, ..."""
+    names = [f"own_{number + 1}" for number in range(count)]
+    declared = [
+        f"size_t {name}_size(int wheelsets);\nvoid {name}_start(void *memory, int wheelsets, double period);\n"
+        f"void {name}_step(void *memory, double time, const double *wheel_speed, int *valve);\n"
+        for name in names
+    ]
+    rows = ", ".join(f"{{{name}_size, {name}_start, {name}_step}}" for name in names)
+    return f"/* Written by products/train/library.py. */\n{''.join(declared)}#define OWN_CONTROLLERS {rows}\n"
 
 
 def _arguments_used(text: str) -> str:
@@ -148,6 +162,8 @@ def _functions(kinds: tuple[Distributor, ...]) -> ctypes.CDLL:
         "train_motion": (None, [pointer, pointer]),
         "train_set_motion": (None, [pointer, pointer]),
         "train_air": (pointer, [pointer]),
+        "train_control": (ctypes.c_int, [pointer, count, pointer, pointer, ctypes.c_size_t]),
+        "train_lacks_controller": (count, [pointer]),
     }
     for name, (result, arguments) in signatures.items():
         function = getattr(library, name)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from brake_controller.air import AMBIENT, WALL
 from brake_controller.distributors import DISTRIBUTORS, keeps_pipe, kind_of
+from brake_controller.vehicle_protection import FIRST_OWN, MOST_OWN
 from products.train.consist import Consist
 from products.train.layout import BRAKE_MODELS, UNBREAKABLE, Rows, laid
 from products.train.pipe import COURANT
@@ -94,6 +95,24 @@ def volumes_of(consist: Consist, settings: Settings) -> NDArray[np.float64]:
     return area * (lengths + branches_of(consist, places, len(lengths)))
 
 
+def controllers_of(consist: Consist) -> list[float]:
+    """Return the number of each vehicle's controller; files are numbered in their order. Raises ValueError."""
+    files = own_files(consist)
+    if len(files) > MOST_OWN:
+        raise ValueError(f"A train must have at most {MOST_OWN} controllers of users; got {len(files)}. Take fewer.")
+    return [
+        float(FIRST_OWN + files.index(one.controller))
+        if one.protection.controller >= FIRST_OWN
+        else one.protection.controller
+        for one in consist.vehicles
+    ]
+
+
+def own_files(consist: Consist) -> list[str]:
+    """Return the names of users' controllers in the order of the vehicles, each once."""
+    return list(dict.fromkeys(one.controller for one in consist.vehicles if one.protection.controller >= FIRST_OWN))
+
+
 def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArray[np.float64]:
     """Return all numbers of a train. Raises ValueError if pipes have several diameters, or a value no effect."""
     unused = without_effect(consist, settings.brake_model, settings.cells)
@@ -135,6 +154,10 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
         "valve": valves,
         "point": {name: rows.get(name, level) for name in ("distance", "gradient", "curvature")}
         | {"friction": np.mean([rows.get(name, level + 1.0) for name in FRICTIONS], axis=0)},
+        "slide": [
+            one.protection.values() | {"controller": number}
+            for one, number in zip(vehicles, controllers_of(consist), strict=True)
+        ],
     }
     for kind in known:
         own = [one.distributor.values() for one, its in zip(vehicles, kinds, strict=True) if its is kind]

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+import math
 import weakref
+from collections.abc import Mapping
 from operator import attrgetter
 from typing import Any
 
@@ -15,12 +17,14 @@ from brake_controller.air import AMBIENT
 from brake_controller.distributors import DISTRIBUTORS, kind_of
 from brake_controller.drivers_valve import POSITIONS
 from fmu_src.cosimulation.recording import Recording
+from products.controller_kinds import Form, InC
 from products.run_history import RunHistory
 from products.train.consist import Consist
 from products.train.inputs import Inputs, wrong_input
 from products.train.layout import EQUIPMENT, INITIAL, INPUTS, OUTPUTS, START_PIPE_PRESSURE, SUMS, Array
 from products.train.library import functions
 from products.train.numbers import Settings, numbers_of, volumes_of
+from products.train.own_controllers import OwnControllers
 from products.train.pipe import PipeAir
 from rbd_model.track.line import Line
 from readers.import_account import Imported
@@ -30,15 +34,24 @@ from readers.usual import almost_0, is_almost_0, likely_unit, note
 LONGEST, MOST = 86400.0, 1e8
 #: Attributes of a train that are set, beside its properties.
 SETTABLE = ("consist", "settings", "imported", "inputs", "run_history")
+#: Whether the wheels of a vehicle are locked, and their slip: outputs that follow from others.
+OF_WHEELS = (
+    Array("locked", "1", 0.0, 1.0, "Whether a vehicle's wheels are locked while it moves", True, of="vehicles"),
+    Array("slip", "1", -math.inf, math.inf, "(v - w) over the larger of both, of each vehicle's wheels", of="vehicles"),
+)
 #: Outputs that are recorded.
-RECORDED = [one for one in OUTPUTS if one.name not in ("brake_force", "mean_coupler_force")]
+RECORDED = [one for one in (*OUTPUTS, *OF_WHEELS) if one.name != "mean_coupler_force"]
 #: Outputs that are recorded only of trains with brakes that warm up.
 OF_HEAT = ("brake_temperature", "surface_temperature", "block_temperature", "brake_heat")
 #: Outputs that are recorded only of trains with track brakes.
 OF_TRACK = ("track_brake_force",)
 #: Outputs that are recorded only of trains with motors, and with motors or electric brakes.
 OF_TRACTION, OF_DRIVES = ("traction_force", "traction_energy"), ("electric_brake_energy",)
+#: Outputs that are recorded only of trains with wheel-slide protection.
+OF_PROTECTION = ("protection_state", "protection_air")
 #: Places of outputs, and of the run's numbers.
+#: `protection_state` of a controller that failed.
+FAILED = 3.0
 OUTPUT, SUM = ({one.name: place for place, one in enumerate(of)} for of in (OUTPUTS, SUMS))
 
 
@@ -68,9 +81,10 @@ def has_equipment(consist: Consist, name: str) -> bool:
 def _recorded_of(consist: Consist) -> list[Array]:
     """Return the outputs that are recorded of a consist."""
     heats = any(vehicle.heat.heat_capacity > 0.0 for vehicle in consist.vehicles)
+    protects = any(vehicle.protection.controller for vehicle in consist.vehicles)
     pulls, tracks = has_equipment(consist, "traction"), has_equipment(consist, "track_brake")
     drives = pulls or has_equipment(consist, "dynamic_brake")
-    kept = {OF_HEAT: heats, OF_TRACTION: pulls, OF_DRIVES: drives, OF_TRACK: tracks}
+    kept = {OF_PROTECTION: protects, OF_HEAT: heats, OF_TRACTION: pulls, OF_DRIVES: drives, OF_TRACK: tracks}
     left_out = {name for names, is_kept in kept.items() if not is_kept for name in names}
     return [one for one in RECORDED if one.name not in left_out]
 
@@ -105,6 +119,8 @@ class Train:
         Line of the train; by default straight, level track.
     settings : Settings, optional
         Brake model and step size.
+    controllers : mapping of int to Form, optional
+        Wheel-slide controllers of users by the vehicle, from 0; their vehicles state a controller.
 
     Raises
     ------
@@ -124,6 +140,7 @@ class Train:
         cylinder: float = 0.0,
         line: Line | None = None,
         settings: Settings | None = None,
+        controllers: Mapping[int, Form] | None = None,
     ) -> None:
         for one, value in zip(INITIAL, (speed, distance, pipe, cylinder), strict=True):
             within(one.name, value, one.least, one.most, one.unit)
@@ -137,7 +154,8 @@ class Train:
         wrong = self._call.train_wrong(numbers.ctypes.data, numbers.size)
         if wrong:
             raise ValueError(f"These vehicles, settings or line make no train: {wrong.decode()} cannot be.")
-        self._mark = hashlib.sha256(numbers.tobytes()).digest()
+        own = [one.path.read_bytes() for _, one in sorted((controllers or {}).items()) if isinstance(one, InC)]
+        self._mark = hashlib.sha256(b"".join([numbers.tobytes(), *own])).digest()
         self.run_history: RunHistory | None = None
         self._noted_inputs: dict[str, bytes] = {}
         self._volumes = volumes_of(consist, self.settings)
@@ -145,6 +163,7 @@ class Train:
         if not self._own:
             raise MemoryError(f"There is no memory for a train of {len(consist.vehicles)} vehicles; take fewer.")
         weakref.finalize(self, self._call.train_free, self._own)
+        self._controllers = OwnControllers(self._call, self._own, controllers or {}, consist)
         self._call.train_begin(self._own, 0.0, speed, distance, pipe + AMBIENT, cylinder + AMBIENT)
         self.inputs = Inputs(
             {input_.name: self._view(self._call.train_input, row) for row, input_ in enumerate(INPUTS)}
@@ -202,6 +221,7 @@ class Train:
             if self.inputs[name].any():
                 raise ValueError(f"inputs[{name!r}] must be 0: no vehicle has {lacks}, and it has no effect. Reset it.")
         status = self._call.train_go(self._own, time)
+        self._controllers.check()
         if status == -2:
             raise ValueError(self._wrong_input())
         if status:
@@ -211,6 +231,9 @@ class Train:
         place = ctypes.c_longlong()
         name = INPUTS[self._call.train_input_wrong(self._own, ctypes.byref(place))].name
         value = float(self.inputs[name][place.value])
+        if name == "protection" and self.consist.vehicles[place.value].protection.controller and 0.0 <= value <= 2.0:
+            words = f"vehicle {place.value + 1} has a controller of its own, which commands its valves"
+            return f"inputs['protection'][{place.value}] must be 0: {words}. Reset it, or leave out its protection."
         if name == "hose_state" and value in (1.0, 2.0):
             cells = f"with {self.settings.cells:g} cells a vehicle"
             return f"Leave inputs['hose_state'][{place.value}] at 0: {cells} there is no cock or hose; take one cell."
@@ -256,11 +279,14 @@ class Train:
             if moving and not self.speed.any():
                 break
         return Recording(
-            units, np.array(rows), self._notes, provenance=self.run_history.snapshot() if self.run_history else None
+            units,
+            np.array(rows),
+            [*self._notes, *self.controller_failures],
+            provenance=self.run_history.snapshot() if self.run_history else None,
         )
 
     def _names(self, output: str) -> list[str]:
-        return [f"{output}[{n + 1}]" for n in range(len(self._outputs[output]))]
+        return [f"{output}[{n + 1}]" for n in range(getattr(self, output).size)]
 
     def _row(self) -> NDArray[np.float64]:
         return np.concatenate([[self.time], *(getattr(self, one.name) for one in self._recorded)])
@@ -288,6 +314,14 @@ class Train:
         raise AttributeError(name)
 
     @property
+    def controller_failures(self) -> list[str]:
+        """Messages on wheel-slide controllers that failed; their brakes stay applied."""
+        failed = np.flatnonzero(self.protection_state == FAILED).tolist()
+        where = [number for number in failed if number not in self._controllers.called]
+        words = "Its controller gave an invalid command or wrote beyond its memory; the brake stays applied."
+        return [*self._controllers.failures, *(f"Vehicle {number + 1}: {words}" for number in where)]
+
+    @property
     def locked(self) -> NDArray[np.int64]:
         """1 for each vehicle whose wheels are locked while it moves, otherwise 0."""
         return ((self.wheel_speed == 0.0) & (self.speed != 0.0)).astype(int)
@@ -300,7 +334,11 @@ class Train:
 
     @property
     def state(self) -> NDArray[np.float64]:
-        """Complete state of a run, to be restored later, with a checksum as its last number."""
+        """Complete state of a run, to be restored later, with a checksum as its last number.
+
+        Raises ValueError if a controller is in Python or in an FMU: its own state is not in this one.
+        """
+        self._check_saved()
         found = np.empty(self._call.train_numbers(self._own) + 1)
         self._call.train_save(self._own, found.ctypes.data)
         found[-1] = self._checksum(found[:-1])
@@ -309,6 +347,7 @@ class Train:
     @state.setter
     def state(self, numbers: NDArray[np.float64]) -> None:
         """Restore a saved state. Raises ValueError if it belongs to another train."""
+        self._check_saved()
         due = self._call.train_numbers(self._own) + 1
         if np.shape(numbers) != (due,):
             raise ValueError(
@@ -321,6 +360,14 @@ class Train:
             )
         self._call.train_load(self._own, given.ctypes.data)
         self._discard_history("a saved state was restored")
+
+    def _check_saved(self) -> None:
+        if self._controllers.called:
+            vehicle = min(self._controllers.called) + 1
+            raise ValueError(
+                f"The state must be of controllers in C; that of vehicle {vehicle} is in Python or in an FMU, with a "
+                "state of its own. Write it in C, or begin the run again."
+            )
 
     def _discard_history(self, reason: str) -> None:
         if self.run_history is not None:

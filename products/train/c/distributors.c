@@ -85,6 +85,14 @@ void pipe_protect(pipe *self, const double *protection) {
     }
 }
 
+void pipe_dump(pipe *self, const double *held, const double *vented) {
+    EACH_KIND(self, one)
+    for (long long int i = 0; i < one->count; ++i) {
+        one->command[i + COMMAND_HELD * one->stride] = held[one->vehicle[i]];
+        one->command[i + COMMAND_VENTED * one->stride] = vented[one->vehicle[i]];
+    }
+}
+
 void pipe_demand(pipe *self, const double *share, const double *ordered) {
     EACH_KIND(self, one)
     for (long long int i = 0; i < one->count; ++i) {

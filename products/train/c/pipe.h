@@ -40,6 +40,8 @@ PIPE_SHOWN int pipe_vehicles(pipe *self, long long int count, const long long in
 PIPE_SHOWN void pipe_charge(pipe *self, double charged, double around, double cylinder);
 /* Commands of the wheel-slide protection of each vehicle, PROTECTION_APPLY, ... */
 void pipe_protect(pipe *self, const double *protection);
+/* The same as shares of open areas: of the valve that shuts the cylinders off, and of the one that vents them. */
+void pipe_dump(pipe *self, const double *held, const double *vented);
 /* Electric commands of each vehicle: demanded share of the full pressure of its cylinders, ordered share of full service. */
 void pipe_demand(pipe *self, const double *share, const double *ordered);
 /* 1 if an electric command acts on the pipe at a vehicle. */

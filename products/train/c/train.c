@@ -130,6 +130,12 @@ static int make_pipe(train *self, const double *const at[LAYOUT_GROUPS]) {
     return made;
 }
 
+int train_lay_saved(train *self) {
+    free(self->saved);
+    self->saved = (double *)malloc((size_t)train_numbers(self) * sizeof(double));
+    return self->saved != NULL;
+}
+
 static train *lay(train *self, const double *numbers) {
     const double *at[LAYOUT_GROUPS];
     layout_find(numbers, self->counts, at);
@@ -139,9 +145,9 @@ static train *lay(train *self, const double *numbers) {
     if (!self->moves || !motion_strength(self->moves, at[GROUP_STRENGTH]) || !make_pipe(self, at)) return NULL;
     if (!extra_create(self, at[GROUP_TRACK], at[GROUP_PARKING])) return NULL;
     if (!drive_create(self, at[GROUP_TRACTION], at[GROUP_ADHESION], at[GROUP_MOTION])) return NULL;
+    if (!protection_create(self, at[GROUP_SLIDE])) return NULL;
     self->works = self->heats || self->blends || self->drive;
-    self->saved = (double *)malloc((size_t)train_numbers(self) * sizeof(double));
-    return self->saved ? self : NULL;
+    return train_lay_saved(self) ? self : NULL;
 }
 
 train *train_create(const double *numbers, long long int count) {
@@ -171,6 +177,7 @@ void train_free(train *self) {
     motion_free(self->moves);
     extra_free(self->extra);
     drive_free(self->drive);
+    protection_free(self->slide);
     free(self->rows);
     free(self->numbers);
     free(self->cell);
@@ -217,7 +224,7 @@ static void begin_motion(train *self, double speed, double distance) {
 static void demand_brakes(train *self, double step) {
     rows_copy(self->wheel, motion_wheel(self->moves), self->vehicles);
     for (long long int i = 0; i < self->vehicles; ++i) {
-        const int released = self->input[IN_PROTECTION][i] == PROTECTION_RELEASE;
+        const int released = protection_commands(self)[i] == PROTECTION_RELEASE;
         const double dead_time = self->electric[i + ELECTRIC_DEAD_TIME * self->stride];
         double *command = self->command + i;
         const double ordered = self->blended[i + 3 * self->stride] = valves_demand(self, step, dead_time);
@@ -309,6 +316,7 @@ static void find_outputs(train *self) {
     put(self->output[OUT_BRAKE_HEAT], heat_run(self), HEATED_HEAT, self->vehicles);
     rows_copy(self->output[OUT_TRACK_BRAKE_FORCE], extra_run(self) + 3 * self->vehicles, self->vehicles);
     drive_outputs(self);
+    protection_outputs(self);
     motion_force_now(self->moves, self->output[OUT_COUPLER_FORCE]);
     motion_mean(self->moves, self->output[OUT_MEAN_COUPLER_FORCE]);
     pipe_pressures(self->air, self->output[OUT_PIPE_PRESSURE], self->output[OUT_CYLINDER_PRESSURE]);
@@ -348,6 +356,7 @@ void train_begin(train *self, double time, double speed, double distance, double
     fill(heat_run(self) + HEATED_TEMPERATURE * self->vehicles, self->vehicles, SURROUNDINGS);
     fill(heat_run(self) + HEATED_BLOCK_TEMPERATURE * self->vehicles, self->vehicles, SURROUNDINGS);
     self->steps[0] = self->steps[1] = 0;
+    protection_begin(self);
     pipe_pressures(self->air, NULL, self->cylinder);
     find_brakes(self, 0.0);
     find_forces(self);
@@ -380,7 +389,7 @@ static void take_inputs(train *self) {
     lead(self);
     rows_copy(self->given_before, self->input[0], self->inputs);
     if (changed) put_joints(self);
-    pipe_protect(self->air, self->input[IN_PROTECTION]);
+    if (!self->slide) pipe_protect(self->air, self->input[IN_PROTECTION]);
     motion_begin_mean(self->moves);
     double *force = motion_force(self->moves);
     force[-1] = self->input[IN_END_FORCE][0];
@@ -392,6 +401,7 @@ static void take_inputs(train *self) {
 /* One step with brakes and line of its middle; returns 0 if its result is not finite. */
 static int step_on(train *self, double step) {
     valves_command(self, step);
+    protection_open(self, step);
     if (self->blends) demand_brakes(self, step);
     pipe_pressures(self->air, NULL, self->cylinder);
     rows_copy(self->held, self->cylinder, self->vehicles);
@@ -409,6 +419,7 @@ static int step_on(train *self, double step) {
     if (self->works) note_motion(self);
     self->steps[0] += taken;
     self->steps[1] += drive_go(self, (long long int)count, step);
+    protection_turn(self, step);
     if (self->works) warm_brakes(self, step);
     if (motion_broken(self->moves)) put_joints(self);
     return motion_sound(self->moves);
@@ -430,15 +441,16 @@ int train_go(train *self, double time) {
     train_save(self, self->saved);
     take_inputs(self);
     for (double left = time; left > 0.0;) {
+        const double span = fmin(left, protection_sample(self, self->run[RUN_TIME]));
         const double most =
-            left <= SHORTEST ? SHORTEST : fmin(fmax(pipe_longest(self->air, self->head[HEAD_COURANT]), SHORTEST), LONGEST);
-        const double count = ceil(left / most * (1.0 - 1e-12));
-        const double step = count > 1.0 ? left / count : left;
+            span <= SHORTEST ? SHORTEST : fmin(fmax(pipe_longest(self->air, self->head[HEAD_COURANT]), SHORTEST), LONGEST);
+        const double count = ceil(span / most * (1.0 - 1e-12));
+        const double step = count > 1.0 ? span / count : span;
         if (!(count < 1e9) || !step_on(self, step)) {
             train_load(self, self->saved);
             return -1;
         }
-        left = count > 1.0 ? left - step : 0.0;
+        left = step < left ? left - step : 0.0;
         self->run[RUN_TIME] = begin + (time - left);
     }
     if (time > 0.0) self->run[RUN_STEP] = time;
@@ -462,7 +474,8 @@ const double *train_output(const train *self, int row, long long int *count) {
 }
 
 long long int train_numbers(const train *self) {
-    return pipe_numbers(self->air) + motion_numbers(self->moves) + 2 * self->inputs + runs(self) + 2 * self->vehicles;
+    return pipe_numbers(self->air) + motion_numbers(self->moves) + 2 * self->inputs + runs(self) + 2 * self->vehicles +
+           protection_numbers(self);
 }
 
 void train_save(const train *self, double *numbers) {
@@ -472,6 +485,7 @@ void train_save(const train *self, double *numbers) {
     rows_copy(numbers += 2 * self->inputs, self->run, runs(self));
     rows_copy(numbers += runs(self), self->output[OUT_BRAKE_FORCE], self->vehicles);
     rows_copy(numbers + self->vehicles, self->output[OUT_RAIL_FORCE], self->vehicles);
+    protection_save(self, numbers + 2 * self->vehicles);
 }
 
 void train_load(train *self, const double *numbers) {
@@ -481,6 +495,7 @@ void train_load(train *self, const double *numbers) {
     rows_copy(self->run, numbers += 2 * self->inputs, runs(self));
     rows_copy(self->output[OUT_BRAKE_FORCE], numbers += runs(self), self->vehicles);
     rows_copy(self->output[OUT_RAIL_FORCE], numbers + self->vehicles, self->vehicles);
+    protection_load(self, numbers + 2 * self->vehicles);
     put_joints(self);
     find_outputs(self);
 }

@@ -9,6 +9,8 @@
 #define TRAIN_SHOWN __attribute__((visibility("default")))
 #endif
 
+#include <stddef.h>
+
 /* A train is given as numbers, groups of rows; products/train/layout.py defines them, its inputs and its outputs. */
 #include "train_layout.h"
 
@@ -22,6 +24,14 @@ TRAIN_SHOWN void train_free(train *self);
 /* Sets the initial state: speed [m/s], distance of the head [m], pressures of the pipe and of the cylinders [Pa]. Control
  * chambers and auxiliary reservoirs are charged to the running pressure, or to the pipe's if that is higher. */
 TRAIN_SHOWN void train_begin(train *self, double time, double speed, double distance, double pipe, double cylinder);
+/* State of a wheel-slide protection whose controller failed, beside its commands. */
+enum { PROTECTION_FAILED = PROTECTION_RELEASE + 1 };
+/* Sets the controller of a vehicle that has one, before a run begins: functions of wheel_slide.h, and the size of its memory.
+ * Returns 0 if the vehicle has none, or out of memory. */
+TRAIN_SHOWN int train_control(train *self, long long int vehicle, void (*start)(void *, int, double),
+                              void (*step)(void *, double, const double *, int *), size_t size);
+/* The first vehicle whose controller is not set, and not in this binary; -1: all are here. */
+TRAIN_SHOWN long long int train_lacks_controller(const train *self);
 TRAIN_SHOWN double *train_input(train *self, int row, long long int *count);
 TRAIN_SHOWN const double *train_output(const train *self, int row, long long int *count);
 /* Advances by a time [s]. Returns 0; -1 if the result is not finite, -2 if an input is invalid; the train is unchanged then. */

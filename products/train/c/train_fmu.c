@@ -12,7 +12,7 @@
 struct arrays_object {
     train *own;
     double *values; /* of all arrays, one after the other */
-    double *locked; /* of each vehicle before a step */
+    double *locked; /* of each vehicle before a step, then the states of its protection */
     size_t place[ARRAYS_MOST + 1];
     unsigned long long mark; /* of the consist */
 };
@@ -32,7 +32,7 @@ static arrays_object *create(const double *numbers, long long int count) {
         self->mark = arrays_mark_of(numbers, (size_t)count);
         for (unsigned n = 0; n < ARRAYS; ++n) self->place[n + 1] = self->place[n] + length_of(self->own, (int)n);
         self->values = (double *)calloc(self->place[ARRAYS], sizeof(double));
-        self->locked = (double *)calloc(length_of(self->own, LOCKED), sizeof(double));
+        self->locked = (double *)calloc(2 * length_of(self->own, LOCKED), sizeof(double));
         if (self->values && self->locked) return self;
     }
     arrays_free(self);
@@ -49,6 +49,12 @@ arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE]) {
         print_text(problem, MESSAGE_SIZE, "The consist %.200s/train.bin is damaged, %s cannot be; build the FMU again.", folder,
                    wrong);
     else if (!self) print_text(problem, MESSAGE_SIZE, "There is no memory for the train.");
+    else if (train_lacks_controller(self->own) >= 0) {
+        print_text(problem, MESSAGE_SIZE, "The controller of vehicle %lld is not in this binary; build the FMU again.",
+                   train_lacks_controller(self->own) + 1);
+        arrays_free(self);
+        self = NULL;
+    }
     free(numbers);
     return self;
 }
@@ -125,16 +131,36 @@ static void say_locked(const arrays_object *self, const double *before, double t
     print_text(problem, MESSAGE_SIZE, "The wheels of vehicle %lld%s locked at %s s.", first, others, time_text(time, 6, when));
 }
 
+/* Write the vehicles whose controllers have failed in a step, if any. `before`: states of the protection. */
+static void say_failed(const arrays_object *self, const double *before, double time, char problem[MESSAGE_SIZE]) {
+    char when[TIME_TEXT];
+    long long int count, first = 0;
+    train_output(self->own, OUT_SPEED, &count);
+    const double *now = values_of(self, FIRST_OUTPUT + OUT_PROTECTION_STATE);
+    for (long long int i = count - 1; i >= 0; --i)
+        if (now[i] == PROTECTION_FAILED && before[i] != PROTECTION_FAILED) first = i + 1;
+    if (first)
+        print_text(problem, MESSAGE_SIZE,
+                   "The controller of vehicle %lld failed before %s s: its commands must be 0, 1 or 2, and its writes in "
+                   "its memory. Its brake stays applied.",
+                   first, time_text(time, 6, when));
+}
+
+/* Write what is wrong with an element of an input. */
+static void say_wrong(const arrays_object *self, int input, long long int element, char problem[MESSAGE_SIZE]) {
+    const char *why = input == IN_PROTECTION ? "This vehicle has a controller of its own: leave the input at 0."
+                                             : "A cell of the pipe that spans vehicles has no cock and no hose.";
+    print_text(problem, MESSAGE_SIZE, "%s[%lld] must be possible at its place; got %g. %s",
+               ARRAYS_ABOUT[FIRST_INPUT + input].name, element + 1, values_of(self, FIRST_INPUT + input)[element], why);
+}
+
 kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE]) {
     (void)ended; /* it never ends */
     put_inputs(self);
     long long int element;
     const int wrong = train_input_wrong(self->own, &element);
     if (wrong >= 0) {
-        print_text(
-            problem, MESSAGE_SIZE,
-            "%s[%lld] must be possible at its place; got %g. A cell of the pipe that spans vehicles has no cock and no hose.",
-            ARRAYS_ABOUT[FIRST_INPUT + wrong].name, element + 1, values_of(self, FIRST_INPUT + wrong)[element]);
+        say_wrong(self, wrong, element, problem);
         return KERNEL_DISCARD;
     }
     if (train_go(self->own, step)) {
@@ -144,9 +170,12 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
                    time, step);
         return KERNEL_DISCARD;
     }
-    memcpy(self->locked, values_of(self, LOCKED), length_of(self->own, LOCKED) * sizeof(double));
+    const size_t vehicles = length_of(self->own, LOCKED);
+    memcpy(self->locked, values_of(self, LOCKED), vehicles * sizeof(double));
+    memcpy(self->locked + vehicles, values_of(self, FIRST_OUTPUT + OUT_PROTECTION_STATE), vehicles * sizeof(double));
     find_outputs(self);
     say_locked(self, self->locked, time + step, problem);
+    say_failed(self, self->locked + vehicles, time + step, problem);
     return KERNEL_OK;
 }
 

@@ -4,6 +4,7 @@
 
 #include "motion.h"
 #include "pipe.h"
+#include "protection.h"
 #include "train.h"
 
 /* The states of driver's valves are stored at multiples of HISTORY_STEP: HISTORY of them. */
@@ -32,6 +33,7 @@ struct train {
     int blends; /* a vehicle has an electric command or an electric brake */
     extra_brakes *extra; /* NULL: no vehicle has a track brake or a parking brake */
     drives *drive; /* NULL: no vehicle has motors, or adhesion that falls over its speed */
+    protections *slide; /* NULL: no vehicle has a wheel-slide protection */
     double *mass, *centre, *length;
     long long int *cell, *hint, *face; /* cell of each vehicle; row of the line; cell after its end, 0: none */
     double *valve; /* VALVE_ROWS of each valve */
@@ -47,6 +49,8 @@ struct train {
 
 /* Start of each group of numbers (check.c). */
 void layout_find(const double *numbers, const long long int counts[LAYOUT_OWNERS], const double *at[LAYOUT_GROUPS]);
+/* Allocates `saved` for the state as long as it is; returns 0 if out of memory. */
+int train_lay_saved(train *self);
 /* Length of an input or an output. */
 long long int layout_input(const long long int counts[LAYOUT_OWNERS], int row);
 long long int layout_output(const long long int counts[LAYOUT_OWNERS], int row);
