@@ -22,7 +22,7 @@ THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d).*")
 SCALE = {
     **dict.fromkeys(("t", "kN", "kW"), 1e3),
     **dict.fromkeys(("bar", "bar/s"), 1e5),
-    **dict.fromkeys(("mm", "l"), 1e-3),
+    **dict.fromkeys(("mm", "l", "ms"), 1e-3),
     **{"MN/m": 1e6, "%": 1e-2, "km/h": 1 / 3.6},
 }
 

@@ -27,14 +27,21 @@ def read_consist(path: Path) -> Consist:
     if path.suffix.lower() == ".toml":
         rows, couplers = _rows_of_toml(path)
         places = [f"vehicle {number}" for number in range(1, len(rows) + 1)]
-        return consist_of(rows, str(path), places, couplers)
+        return _beside(consist_of(rows, str(path), places, couplers), path.parent)
     table = read_table(path, columns(), most_rows=MOST)
     rows = []
     for row in range(table.places.size):
         numbers = {name: float(values[row]) for name, values in table.numbers.items() if not math.isnan(values[row])}
         rows.append({name: values[row] for name, values in table.words.items() if values[row]} | numbers)
     consist = consist_of(rows, str(path), [f"row {place}" for place in table.places])
-    return replace(consist, notes=(*table.meant, *consist.notes))
+    return _beside(replace(consist, notes=(*table.meant, *consist.notes)), path.parent)
+
+
+def _beside(consist: Consist, folder: Path) -> Consist:
+    """Return a consist whose files of controllers are found from the folder of its own file."""
+    named = [(one, one.controller) for one in consist.vehicles]
+    vehicles = [replace(one, controller=str(folder / name)) if "." in name else one for one, name in named]
+    return replace(consist, vehicles=tuple(vehicles))
 
 
 def _rows_of_toml(path: Path) -> tuple[list[dict[str, Any]], dict[str, Coupler]]:

@@ -1,11 +1,11 @@
-"""A passenger train on a low rail: its first vehicles slide and clean the rail for the others, each with its
+"""A passenger train on a low rail: its first vehicles slide and clean the rail for the others, each with the built-in
 protection.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,15 +15,13 @@ from bogie_braking.reporting.plots import FOUR, LINES, charts
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, at_least, at_most, measured
 from bogie_braking.reporting.scenario import Options, Scenario
-from products.train.consist import Consist, coach, locomotive
+from products.train.consist_file import consist_of
 from products.train.train import Train
 from rbd_model.track.friction import RailCondition, dry, low
 from rbd_model.track.recovery import assumed_recovery
 from scenarios.bench.train_runs import TrainCourse, follow, seconds_of, stands
 
 COACHES, SPEED, INTERVAL = 7, 140 / 3.6, 0.02
-#: Slip above which the protection vents, and below which it applies again [1]; between both it holds.
-VENTS, APPLIES = 0.12, 0.04
 #: Limit: duration of a lock [s] above this speed [m/s].
 LOCKED, ABOVE = 0.4, 5.0
 
@@ -45,13 +43,13 @@ WAYS = {
 }
 
 
-def train_of(rail: RailCondition) -> Train:
+def train_of(way: Way) -> Train:
     """Return a locomotive and coaches; friction falls with sliding as that of the rail does (Polach 2005)."""
-    law = rail.law.values()
-    falls: dict[str, Any] = {name: law[name] for name in ("friction_ratio", "friction_decay")}
-    vehicles = (locomotive(), *[coach()] * COACHES)
-    train = Train(Consist(tuple(replace(vehicle, **falls) for vehicle in vehicles)), speed=SPEED)
-    train.inputs["friction"][:] = rail.friction
+    law = way.rail.law.values()
+    own: dict[str, Any] = {name: law[name] for name in ("friction_ratio", "friction_decay")}
+    own["protection"] = "built-in" if way.protected else "none"
+    train = Train(consist_of([{"kind": "locomotive"} | own, {"kind": "coach", "count": COACHES} | own]), speed=SPEED)
+    train.inputs["friction"][:] = way.rail.friction
     return train
 
 
@@ -91,18 +89,13 @@ class LowAdhesionStop:
 
 def stop(way: Way) -> LowAdhesionStop:
     """Run an emergency."""
-    train = train_of(way.rail)
+    train = train_of(way)
     train.drive("emergency")
     found: list[np.ndarray] = []
 
     def act(one: Train) -> bool:
         found.append(frictions(one, one.rail_force, way))
         one.inputs["friction"][:] = found[-1]
-        if way.protected:
-            speed = np.maximum(one.speed, 0.1)
-            slip = (one.speed - one.wheel_speed) / speed
-            command = np.where(slip > VENTS, 2.0, np.where(slip > APPLIES, 1.0, 0.0))
-            one.inputs["protection"][:] = np.where(one.speed > 1.0, command, 0.0)
         return stands(one)
 
     course = follow(train, 200.0, INTERVAL, act)
@@ -134,7 +127,7 @@ def run(options: Options, quick: bool = False) -> Report:
         f"stays dirty after {distance[dirty]:.0f} m, dry after {distance['dry']:.0f} m.",
     ]
     seconds = seconds_of(one.course for one in found.values())
-    parameters = {"coaches": COACHES, "speed": SPEED, "vents": VENTS, "applies": APPLIES}
+    parameters = {"coaches": COACHES, "speed": SPEED}
     return Report(rows, shown.course.recording(), lambda: draw(found), parameters, seconds, said)
 
 
