@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from bogie_braking.checks import shown
-from bogie_braking.controllers.controller_loader import controller_of, form_of
+from bogie_braking.controllers.controller_loader import KINDS, controller_of, form_of
 from bogie_braking.protection import maker_of
+from bogie_braking.provenance import absent, encoded
 from brake_controller.distributors.piped import Piped
 from brake_controller.vehicle_protection import BUILT_IN, FIRST_OWN, NO_PROTECTION, VOLUME
 from products.controller_kinds import Form
@@ -45,9 +46,21 @@ def with_controllers(consist: Consist, given: Any) -> tuple[Consist, dict[int, F
     return replace(consist, vehicles=tuple(vehicles)), forms
 
 
+def encoded_controllers(given: Any) -> Any:
+    """Return controllers of a call as JSON, those of several vehicles as pairs of a vehicle and its controller."""
+    if not isinstance(given, Mapping):
+        is_file = isinstance(given, str) and Path(given).suffix in KINDS
+        return encoded(Path(given) if is_file else given)
+    if any(callable(one) for one in given.values()):
+        return absent("controllers in Python")
+    return [[encoded(vehicle), encoded_controllers(one)] for vehicle, one in given.items()]
+
+
 def _by_vehicle(given: Any, vehicles: list[TrainVehicle]) -> dict[int, Any]:
     if given is None:
         return {}
+    if isinstance(given, list):  # pairs, as `encoded_controllers` writes them
+        given = dict(given)
     if not isinstance(given, Mapping):
         return {place: given for place, one in enumerate(vehicles) if not isinstance(one.distributor, Piped)}
     for place in given:

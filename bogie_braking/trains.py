@@ -10,7 +10,7 @@ import numpy as np
 
 from bogie_braking.checks import line_or_none, shown
 from bogie_braking.provenance import absent, encoded
-from bogie_braking.train_controllers import Controller, with_controllers
+from bogie_braking.train_controllers import Controller, encoded_controllers, with_controllers
 from products.run_history import RunHistory
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist, TrainVehicle
@@ -96,7 +96,7 @@ def train(
             "line": encoded(line),
             "settings": encoded(settings),
         },
-        **({} if protection is None else {"protection": encoded(protection)}),
+        **({} if protection is None else {"protection": encoded_controllers(protection)}),
         **{"distance_error": encoded(distance_error), "force_error": encoded(force_error), "releases": bool(releases)},
     }
     found.run_history = RunHistory("train", arguments, found.mark)

@@ -12,11 +12,10 @@ size_t guarded_bytes(const rig_controller *self) { return self->size + GUARD; }
 
 static void put_guard(const rig_controller *self, void *memory) { memset((char *)memory + self->size, GUARDED, GUARD); }
 
+/* True if all bytes are those of a guard: the first one is, and each equals the next. */
 static bool is_whole(const void *guard, size_t size) {
-    const unsigned char *byte = (const unsigned char *)guard;
-    for (size_t n = 0; n < size; ++n)
-        if (byte[n] != GUARDED) return false;
-    return true;
+    const char *byte = (const char *)guard;
+    return *byte == GUARDED && !memcmp(byte, byte + 1, size - 1);
 }
 
 /* True if the guard of the memory is whole; restores it otherwise. */

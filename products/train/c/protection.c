@@ -14,6 +14,8 @@
 #include "wheel_slide.h"
 
 enum { ALIGNED = 16 };
+/* Share of an open area that has no effect. */
+static const double SETTLED = 1e-9;
 
 /* Controllers of this binary, by their number from 1: the built-in one, and those of users. */
 static const struct {
@@ -234,10 +236,10 @@ double protection_sample(train *self, double time) {
     return next;
 }
 
-/* Lets an open area follow its command for a step; returns its mean. */
+/* Lets an open area follow its command for a step; returns its mean. One that is as good as there is there. */
 static double follow(double *area, int open, double pace, double step) {
     const double target = open ? 1.0 : 0.0, apart = *area - target, steps = pace * step;
-    if (!(pace > 0.0)) return *area = target;
+    if (!(pace > 0.0) || fabs(apart) < SETTLED) return *area = target;
     *area = target + apart * exp(-steps);
     return target - apart * expm1(-steps) / steps;
 }

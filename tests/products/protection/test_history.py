@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from evidence.measuring.protected_throughput import LetAllGo, LetGo, in_c
+from products import controller_kinds as module
 from products.controller_kinds import Arrays
 from products.machine import Machine, bogie, coach
-from products.protection import controller_kinds as module
 from products.protection.history import EVERY, StopHistory
 from products.protection.rails import RAILS
 from products.protection.rig import Rig

@@ -21,10 +21,10 @@ from brake_controller.slide_protection import RIG, slide_sources
 from brake_controller.wheel_spin import SpinProtection
 from evidence.measuring.protected_throughput import SHARE, SOURCE, LetAllGo, LetGo
 from fmu_src.compile import FLAGS, compiler
+from products import controller_kinds as forms_module
 from products.bogie import FULL_PRESSURE, brake_values
 from products.controller_kinds import Arrays, Form, compiled
 from products.machine import APPLICATION_TIME, RELEASE_TIME, Machine, bogie, coach
-from products.protection import controller_kinds as forms_module
 from products.protection.peak_adhesion import PeakAdhesion
 from products.protection.programme import OWN, Case, read_programme
 from products.protection.rails import ABOVE, JERK_TIME, RAILS

@@ -19,6 +19,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from brake_controller.distributors import DISTRIBUTORS
+from brake_controller.vehicle_protection import BUILT_IN, NO_PROTECTION
 from fmu_src.arrays_fmu import all_sources
 from fmu_src.compile import FLAGS, compiler, objects_of
 from fmu_src.cosimulation.faces import face_of
@@ -567,7 +568,9 @@ def test_the_pipe_in_c_reads_and_writes_nothing_but_its_own(programs: dict, tmp_
 
 @pytest.mark.study
 def test_numbers_that_are_no_train_s_make_none_or_one_that_runs(programs: dict, tmp_path: Path) -> None:
-    one = write_numbers(block_train(1), Settings(cells=1.0), tmp_path / "one")
+    head, last = block_train(1).vehicles
+    protected = replace(head, protection=replace(NO_PROTECTION, controller=float(BUILT_IN)))
+    one = write_numbers(Consist((protected, last)), Settings(cells=1.0), tmp_path / "one")
     (tmp_path / "other").mkdir()
     done = run([programs["numbers_host"], one, tmp_path / "other", "3", "1500"], tmp_path)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
