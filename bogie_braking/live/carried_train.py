@@ -15,7 +15,7 @@ from bogie_braking.web.frame import packed
 from products.train.consist import Consist, block_train
 from products.train.imported_consist import consist_from
 from products.train.layout import layout
-from products.train.numbers import Settings, numbers_of
+from products.train.numbers import Settings, numbers_of, own_files
 from rbd_model.track.line import Line
 from rbd_model.track.line_files import line_from_file
 from rbd_model.track.line_points import LineFromPoints
@@ -37,7 +37,12 @@ class CarriedTrain:
     limits: Sequence[tuple[float, float, float]] = ()
 
     def packed(self) -> str:
-        """Return the text that consist.js unpacks: a count and as many numbers of 8 bytes, then a JSON object."""
+        """Return the text that consist.js unpacks: a count and as many numbers of 8 bytes, then a JSON object.
+
+        Raises ValueError if a vehicle has a controller of a user, which a page cannot run.
+        """
+        if own := own_files(self.consist):
+            raise ValueError(f"protection of a page must be built-in or none; got {own[0]}. Write built-in.")
         numbers = numbers_of(self.consist, Settings(), self.line)
         names = groupby(vehicle.name or vehicle.kind for vehicle in self.consist.vehicles)
         about = {

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import bogie_braking as bb
+from bogie_braking.live.carried_train import CarriedTrain
 from brake_controller.air import AMBIENT, GAS_CONSTANT, WALL
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
@@ -467,5 +468,7 @@ def test_a_protection_that_is_stated_twice_or_cannot_be_is_refused(tmp_path: Pat
         sliding(Own())
     with pytest.raises(ValueError, match=r"A controller must be FILE\.py:CLASS, a shared library, a C file"):
         sliding("builtin")
+    with pytest.raises(ValueError, match="protection of a page must be built-in or none; got Own"):
+        CarriedTrain("", sliding(Own).consist).packed()
     with pytest.raises(ValueError, match="The controller of a train's FMU must be built-in or a C file; got Own"):
         train_fmu(sliding(Own).consist)
