@@ -37,8 +37,7 @@ PARAMETERS = _arrays("parameter", layout.INITIAL)
 INPUTS = _arrays("input", layout.INPUTS)
 OUTPUTS = (
     *_arrays("output", layout.OUTPUTS),
-    ArrayVariable("locked", "output", "1", "Whether a vehicle's wheels are locked while it moves", 0, 1, True),
-    ArrayVariable("slip", "output", "1", "(v - w) over the larger of both, of each vehicle's wheels"),
+    *_arrays("output", layout.OF_WHEELS),
     *_arrays("output", layout.SUMS[1:]),
 )
 ARRAYS = (*PARAMETERS, *INPUTS, *OUTPUTS)

@@ -133,6 +133,11 @@ OUTPUTS = (
     _found("protection_state", "1", _STATE, "vehicles"),
     _found("protection_air", "kg", "Air that has filled each protected vehicle's cylinders so far", "vehicles"),
 )
+#: Outputs that follow from those, of an FMU and of recordings.
+OF_WHEELS = (
+    Array("locked", "1", 0.0, 1.0, "Whether a vehicle's wheels are locked while it moves", True, of="vehicles"),
+    _found("slip", "1", "(v - w) over the larger of both, of each vehicle's wheels", "vehicles"),
+)
 SUMS = (
     _found("time", "s", "Time of the run"),
     _found("largest_tension", "N", "Largest tension in any coupling so far"),

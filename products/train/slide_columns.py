@@ -11,7 +11,9 @@ from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.ep_direct import PACE_BY_TIME, RELEASED, VENTS, EpDirect
 from brake_controller.distributors.uic import UicDistributor, emptied, freight
 from brake_controller.vehicle_protection import BUILT_IN, FIRST_OWN, NO_PROTECTION, VOLUME, VehicleProtection
+from products.controller_kinds import PUBLIC
 from products.train.consist_columns import si
+from readers.text import shown
 
 #: Words of the column `protection`; any other text is a file.
 NOTHING, OURS = "none", "built-in"
@@ -22,6 +24,12 @@ def protection_of(values: Mapping[str, Any], parameters: DistributorParameters) 
     name = values.get("protection", NOTHING)
     if name == NOTHING:
         return NO_PROTECTION
+    if "." not in name and name not in (OURS, *PUBLIC):
+        known = ", ".join((NOTHING, OURS, *PUBLIC))
+        raise ValueError(
+            f"protection must be one of {known} or the file of a controller, such as mine.c; got {shown(name)}. Correct "
+            "it."
+        )
     usual = NO_PROTECTION
     return VehicleProtection(
         controller=float(BUILT_IN if name == OURS else FIRST_OWN),

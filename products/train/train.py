@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
-import math
 import weakref
 from collections.abc import Mapping
 from operator import attrgetter
@@ -21,7 +20,7 @@ from products.controller_kinds import Form, InC
 from products.run_history import RunHistory
 from products.train.consist import Consist
 from products.train.inputs import Inputs, wrong_input
-from products.train.layout import EQUIPMENT, INITIAL, INPUTS, OUTPUTS, START_PIPE_PRESSURE, SUMS, Array
+from products.train.layout import EQUIPMENT, INITIAL, INPUTS, OF_WHEELS, OUTPUTS, START_PIPE_PRESSURE, SUMS, Array
 from products.train.library import functions
 from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.own_controllers import OwnControllers
@@ -34,11 +33,6 @@ from readers.usual import almost_0, is_almost_0, likely_unit, note
 LONGEST, MOST = 86400.0, 1e8
 #: Attributes of a train that are set, beside its properties.
 SETTABLE = ("consist", "settings", "imported", "inputs", "run_history")
-#: Whether the wheels of a vehicle are locked, and their slip: outputs that follow from others.
-OF_WHEELS = (
-    Array("locked", "1", 0.0, 1.0, "Whether a vehicle's wheels are locked while it moves", True, of="vehicles"),
-    Array("slip", "1", -math.inf, math.inf, "(v - w) over the larger of both, of each vehicle's wheels", of="vehicles"),
-)
 #: Outputs that are recorded.
 RECORDED = [one for one in (*OUTPUTS, *OF_WHEELS) if one.name != "mean_coupler_force"]
 #: Outputs that are recorded only of trains with brakes that warm up.
@@ -50,6 +44,11 @@ OF_TRACTION, OF_DRIVES = ("traction_force", "traction_energy"), ("electric_brake
 #: Outputs that are recorded only of trains with wheel-slide protection.
 OF_PROTECTION = ("protection_state", "protection_air")
 #: Places of outputs, and of the run's numbers.
+#: Inputs that a vehicle with a controller does not take, and why.
+OF_CONTROLLED = {
+    "protection": "which commands its valves",
+    "external_vehicle": "whose sensor would show no slip",
+}
 #: `protection_state` of a controller that failed.
 FAILED = 3.0
 OUTPUT, SUM = ({one.name: place for place, one in enumerate(of)} for of in (OUTPUTS, SUMS))
@@ -231,9 +230,9 @@ class Train:
         place = ctypes.c_longlong()
         name = INPUTS[self._call.train_input_wrong(self._own, ctypes.byref(place))].name
         value = float(self.inputs[name][place.value])
-        if name == "protection" and self.consist.vehicles[place.value].protection.controller and 0.0 <= value <= 2.0:
-            words = f"vehicle {place.value + 1} has a controller of its own, which commands its valves"
-            return f"inputs['protection'][{place.value}] must be 0: {words}. Reset it, or leave out its protection."
+        if name in OF_CONTROLLED and value in (1.0, 2.0) and self.consist.vehicles[place.value].protection.controller:
+            words = f"vehicle {place.value + 1} has a controller of its own, {OF_CONTROLLED[name]}"
+            return f"inputs['{name}'][{place.value}] must be 0: {words}. Reset it, or leave out its protection."
         if name == "hose_state" and value in (1.0, 2.0):
             cells = f"with {self.settings.cells:g} cells a vehicle"
             return f"Leave inputs['hose_state'][{place.value}] at 0: {cells} there is no cock or hose; take one cell."

@@ -67,7 +67,8 @@ int train_input_wrong(const train *self, long long int *element) {
         for (*element = 0; *element < layout_input(self->counts, row); ++*element) {
             const double value = self->input[row][*element];
             const int no_face = row == IN_HOSE_STATE && value != HOSE_STATE_WHOLE && self->face[*element] <= 0;
-            const int no_hand = row == IN_PROTECTION && value != PROTECTION_APPLY && protection_has(self, *element);
+            const int commands = row == IN_PROTECTION || row == IN_EXTERNAL_VEHICLE; /* 0: it does not */
+            const int no_hand = commands && value != 0.0 && protection_has(self, *element);
             if (!within(value, &INPUTS[row], INPUTS[row].most) || no_face || no_hand) return row;
         }
     return -1;

@@ -186,6 +186,12 @@ void protection_begin(train *self) {
     }
 }
 
+/* Speed of the wheels of a wheelset at the rim [m/s]: a vehicle of the train has one for all. */
+static double speed_of(const train *self, const protected_vehicle *one, int number) {
+    (void)number;
+    return motion_wheel(self->moves)[one->vehicle];
+}
+
 const double *protection_commands(const train *self) { return self->slide ? self->slide->command : self->input[IN_PROTECTION]; }
 
 /* Reads the sensors of a vehicle and lets its controller step; one that fails or gives an invalid command is given up. */
@@ -247,7 +253,6 @@ static double follow(double *area, int open, double pace, double step) {
 void protection_open(train *self, double step) {
     protections *all = self->slide;
     if (!all) return;
-    const double *wheel = motion_wheel(self->moves);
     for (long long int i = 0; i < self->vehicles; ++i) {
         all->held[i] = all->command[i] != PROTECTION_APPLY;
         all->vented[i] = all->command[i] == PROTECTION_RELEASE;
@@ -258,7 +263,7 @@ void protection_open(train *self, double step) {
             wheelset *of = wheelsets_of(all, one) + n;
             fills += follow(&of->fills, of->command == WHEEL_SLIDE_APPLY, one->valve_pace, step) / one->wheelsets;
             vents += follow(&of->vents, of->command == WHEEL_SLIDE_VENT, one->valve_pace, step) / one->wheelsets;
-            of->speed = wheel[one->vehicle];
+            of->speed = speed_of(self, one, n);
         }
         all->held[one->vehicle] = 1.0 - fills;
         all->vented[one->vehicle] = vents;
@@ -269,11 +274,10 @@ void protection_open(train *self, double step) {
 void protection_turn(train *self, double step) {
     protections *all = self->slide;
     if (!all) return;
-    const double *wheel = motion_wheel(self->moves);
     EACH(all, one)
     for (int n = 0; n < one->wheelsets; ++n) {
         wheelset *of = wheelsets_of(all, one) + n;
-        of->rotation += (of->speed + wheel[one->vehicle]) / 2.0 * step / one->radius;
+        of->rotation += (of->speed + speed_of(self, one, n)) / 2.0 * step / one->radius;
     }
 }
 

@@ -407,6 +407,13 @@ def test_a_library_that_writes_beyond_its_memory_keeps_its_brake_applied(tmp_pat
     train.advance(5.0)
     assert train.protection_state.tolist() == [3.0] * 3
     assert train.controller_failures[0].startswith("Vehicle 1: Its controller gave an invalid command or wrote beyond")
+    path = tmp_path / "TrainDynamics.fmu"
+    write_in_c(train_fmu(train.consist), path, 2)
+    with FmuInstance(path) as fmu:
+        fmu.start()
+        fmu.step(0.0, 5.0)
+        assert [fmu[f"protection_state[{number}]"] for number in (1, 2, 3)] == [3] * 3
+        assert "The controller of vehicle 1 failed before 5 s" in fmu.messages[-1]
 
 
 # ---- columns ---------------------------------------------------------------------------------------------------------
@@ -442,6 +449,7 @@ def test_a_consist_with_protections_is_written_and_read_again(tmp_path: Path) ->
     [
         ({"encoder_teeth": 80}, "encoder_teeth must come with protection = built-in or a file"),
         ({"brake": "none", "protection": "built-in"}, "protection has no effect with brake = none"),
+        ({"protection": "builtin"}, "protection must be one of none, built-in, dump-valve or the file of a controller"),
         ({"brake": "none", "vent_time": 1.0}, "vent_time has no effect with brake = none"),
         ({"rotating": 0, "protection": "built-in"}, "rotating must be above 0 % on a vehicle with a protection"),
     ],
@@ -459,6 +467,10 @@ def test_a_protection_that_is_stated_twice_or_cannot_be_is_refused(tmp_path: Pat
     with pytest.raises(
         ValueError, match=r"inputs\['protection'\]\[1\] must be 0: vehicle 2 has a controller of its own"
     ):
+        train.advance(0.1)
+    train.inputs["protection"][1] = 0.0
+    train.inputs["external_vehicle"][1] = 1.0
+    with pytest.raises(ValueError, match="must be 0: vehicle 2 has a controller of its own, whose sensor"):
         train.advance(0.1)
     with pytest.raises(ValueError, match="The vehicle of a protection must be an integer from 0 to 2; got 3"):
         sliding({3: "built-in"})
