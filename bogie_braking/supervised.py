@@ -105,7 +105,7 @@ def _brake(consist: Consist, command: str, largest: float) -> BrakeOfRun:
 
 def _run(consist: Consist, command: str, speed: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return time, speed of the mass centre and sum of cylinder pressures of a stop."""
-    train = Train(consist, speed=speed, settings=select_brake_model(consist))
+    train = Train(consist.unprotected, speed=speed, settings=select_brake_model(consist))
     train.drive(*COMMANDS[command])
     masses = np.array([vehicle.mass for vehicle in consist.vehicles])
     parts: list[np.ndarray] = []
@@ -148,7 +148,7 @@ def own_stops(consist: Consist, speeds: np.ndarray, places: np.ndarray, line: Li
     """
     settings, stops = select_brake_model(consist), []
     for speed, place in zip(speeds.tolist(), places.tolist(), strict=True):
-        train = Train(consist, speed=speed, distance=place, line=line, settings=settings)
+        train = Train(consist.unprotected, speed=speed, distance=place, line=line, settings=settings)
         start, rows, rests = float(train.distance[0]), [(place, speed)], False
         train.drive("emergency")
         while not rests and len(rows) <= LONGEST / DRAWN:

@@ -68,7 +68,7 @@ def fit_train(
 
     def simulated(share: np.ndarray, rows: int) -> np.ndarray:
         other = changed(own, dict(zip(parameters, (share * first).tolist(), strict=True)))
-        make = partial(Train, other, line=along, settings=chosen)
+        make = partial(Train, other.unprotected, line=along, settings=chosen)
         return (_run(make, table, drive) if is_run else _stops(make, clock.tolist(), drive))[:rows, None]
 
     data = Data(clock, clock, table[name][:, None], {})

@@ -231,6 +231,12 @@ class Consist:
         return sum(vehicle.mass for vehicle in self.vehicles)
 
     @property
+    def unprotected(self) -> Consist:
+        """The same vehicles without wheel-slide protection, for stops in which wheels roll."""
+        none = {"protection": NO_PROTECTION, "controller": "none"}
+        return Consist(tuple(replace(vehicle, **none) for vehicle in self.vehicles))  # type: ignore[arg-type]
+
+    @property
     def percentage(self) -> float:
         """Brake weight percentage of the train [%], all braked weights over all masses (UIC 544-1)."""
         masses = [vehicle.mass for vehicle in self.vehicles]

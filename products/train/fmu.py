@@ -72,9 +72,13 @@ def controller_in_c(text: str, number: int) -> str:
             f"The controller of a train's FMU must be built-in or a C file; got {text}. Write it in C, or couple it as "
             "an FMU of its own: connect wheel_speed and the input protection."
         )
-    names = ("size", "start", "step")
-    renamed = "".join(f"#define wheel_slide_{name} own_{number}_{name}\n" for name in names)
-    return f"{renamed}#line 1 {c_text(path.name)}\n{path.read_text(encoding='utf-8')}"
+    if not path.is_file():
+        raise ValueError(f"The controller of a train must be a file that exists; got {path}. Correct the path.")
+    names, code = [f"wheel_slide_{name}" for name in ("size", "start", "step")], path.read_text(encoding="utf-8")
+    if missing := [name for name in names if name not in code]:
+        raise ValueError(f"{path} must have all functions of wheel_slide.h; it lacks {', '.join(missing)}. Add them.")
+    renamed = "".join(f"#define {name} {name.replace('wheel_slide', f'own_{number}')}\n" for name in names)
+    return f"{renamed}#line 1 {c_text(path.name)}\n{code}"
 
 
 def train_fmu(

@@ -183,7 +183,7 @@ def stopping_distance(consist: Consist, speed: float) -> float | None:
 
     A train starts with its head at 0, so that the middle of its first vehicle starts behind it.
     """
-    train = Train(consist, speed=speed, settings=select_brake_model(consist))
+    train = Train(consist.unprotected, speed=speed, settings=select_brake_model(consist))
     start = float(train.distance[0])
     train.drive("emergency")
     for _ in range(int(LONGEST / STEP)):

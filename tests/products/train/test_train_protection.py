@@ -482,5 +482,12 @@ def test_a_protection_that_is_stated_twice_or_cannot_be_is_refused(tmp_path: Pat
         sliding("builtin")
     with pytest.raises(ValueError, match="protection of a page must be built-in or none; got Own"):
         CarriedTrain("", sliding(Own).consist).packed()
+    (tmp_path / "lacks.c").write_text(OWN_IN_C.replace("wheel_slide_start", "begin"))
+    for name, message in (
+        ("lacks.c", "it lacks wheel_slide_start. Add"),
+        ("none.c", "must be a file that exists; got"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            train_fmu(consist_of([{"kind": "locomotive", "protection": str(tmp_path / name)}]))
     with pytest.raises(ValueError, match="The controller of a train's FMU must be built-in or a C file; got Own"):
         train_fmu(sliding(Own).consist)
