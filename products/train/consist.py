@@ -234,7 +234,7 @@ class Consist:
     def unprotected(self) -> Consist:
         """The same vehicles without wheel-slide protection, for stops in which wheels roll."""
         none = {"protection": NO_PROTECTION, "controller": "none"}
-        return Consist(tuple(replace(vehicle, **none) for vehicle in self.vehicles))  # type: ignore[arg-type]
+        return replace(self, vehicles=tuple(replace(one, **none) for one in self.vehicles))  # type: ignore[arg-type]
 
     @property
     def percentage(self) -> float:

@@ -25,11 +25,8 @@ def protection_of(values: Mapping[str, Any], parameters: DistributorParameters) 
     if name == NOTHING:
         return NO_PROTECTION
     if "." not in name and name not in (OURS, *PUBLIC):
-        known = ", ".join((NOTHING, OURS, *PUBLIC))
-        raise ValueError(
-            f"protection must be one of {known} or the file of a controller, such as mine.c; got {shown(name)}. Correct "
-            "it."
-        )
+        known = f"{', '.join((NOTHING, OURS, *PUBLIC))} or the file of a controller, such as mine.c"
+        raise ValueError(f"protection must be one of {known}; got {shown(name)}. Correct it.")
     usual = NO_PROTECTION
     return VehicleProtection(
         controller=float(BUILT_IN if name == OURS else FIRST_OWN),
