@@ -374,6 +374,13 @@ def test_a_saved_state_has_sensors_controllers_and_valves() -> None:
         _ = mine.state
 
 
+def test_a_run_with_controllers_is_repeated_from_its_provenance(tmp_path: Path) -> None:
+    own = tmp_path / "own.c"
+    own.write_text(OWN_IN_C)
+    [message] = bb.repeat(sliding({0: "built-in", 1: str(own), 2: None}).record(8.0)).messages
+    assert message.startswith("Equal to The result")
+
+
 def test_a_controller_that_fails_keeps_its_brake_applied_and_is_told() -> None:
     class Fails:
         def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
