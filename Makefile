@@ -46,7 +46,7 @@ check: $(VENV)/test-installed
 	$(RUN) -m ruff format --check .
 	$(RUN) -m mypy
 	PYTHONPATH=. $(VENV)/bin/lint-imports --no-cache
-	$(VENV)/bin/clang-format --dry-run -Werror $$(find $(C_ROOMS) -name '*.[ch]' ! -path '*/hosts/host.c')
+	$(VENV)/bin/clang-format --dry-run -Werror $$(find $(C_ROOMS) -name '*.[ch]' ! -path '*/hosts/*.c')
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

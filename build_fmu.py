@@ -21,6 +21,10 @@
   python build_fmu.py sensor --wheelsets 4
   python build_fmu.py curves --line line.csv
                                          supervision by ETCS, with the gradients of a line
+  python build_fmu.py curves --train results/etcs-consist.json
+                                         of the train whose data `bogie-braking etcs consist.toml` wrote
+  python build_fmu.py ssp --consist consist.toml --train results/etcs-consist.json --target 2000 --speed 100km/h
+                                         SupervisedTrain.ssp: the train, its curves and a driver, connected
 
   python build_fmu.py bogie --describe   no FMU: the table of its variables as Markdown
 
@@ -38,7 +42,8 @@ from fmu_src.model_description import variable_table
 from products.building import KINDS, NATIVE, build_all, build_controller, variables_of
 from products.parameter_sets import write_sets
 from products.registry import ALIASES, FMUS, IN_C, fmu_named
-from products.systems import build_systems
+from products.supervised_train import NEEDED, SupervisedRun, supervised, write_supervised_train
+from products.systems import build_systems, say_system
 from products.train.layout import BRAKE_MODELS
 from products.train.numbers import SETTING_LIMITS
 from rbd_model.train.coupler import COUPLERS
@@ -56,7 +61,14 @@ OWN_OPTIONS = {
     "brake_model": "whole",
     "cells": 2.0,
     "wheelsets": BOGIE,
+    "train": None,
+    "national": None,
+    "target": None,
+    "speed": None,
+    "start_speed": None,
 }
+#: Options of SupervisedTrain.ssp.
+OF_SSP = ("consist", "line", "brake_model", "cells", "train", "national", "target", "speed", "start_speed")
 #: Names of FMUs and systems.
 NAMES = (*FMUS, *IN_C, "ssp", "all")
 #: Exit status.
@@ -119,6 +131,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     least, most = SETTING_LIMITS["cells"]
     text = f"of the pipe in each vehicle, {least:g} to {most:g} (default: 2)"
     add("--cells", type=quantity("--cells", least=least, most=most), default=2.0, metavar="COUNT", help=text)
+    text = "train data of the curves, JSON of bogie-braking etcs or an OSRD rolling stock"
+    add("--train", type=Path, metavar="FILE", help=text)
+    add("--national", type=Path, metavar="FILE", help="national values of the curves, TOML (default: those of A.3.2)")
+    place = quantity("--target", "m", 1.0, 1e6)
+    add("--target", type=place, metavar="PLACE", help="of the ssp: place of its end of authority, as 2000 or 2km")
+    speed = quantity("--speed", "km/h", 5.0, 400.0)
+    add(
+        "--speed",
+        type=speed,
+        metavar="SPEED",
+        help="of the ssp: permitted speed (default: V_MAXTRAIN of the train data)",
+    )
+    speed = quantity("--start-speed", "km/h", 0.0, 400.0)
+    add("--start-speed", type=speed, metavar="SPEED", help="of the ssp: speed at the start (default: 0)")
     add("--describe", action="store_true", help="print the table of variables instead of building")
 
 
@@ -158,7 +184,27 @@ def kinds_of(chosen: argparse.Namespace) -> list[str]:
 
 def names_of(chosen: argparse.Namespace) -> list[str]:
     """Return the names of the FMUs to build."""
-    return {"all": [*FMUS, *IN_C], "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
+    ssp = list(NEEDED) if is_supervised(chosen) else ["bogie", "brake"]
+    return {"all": [*FMUS, *IN_C], "ssp": ssp}.get(chosen.model, [chosen.model])
+
+
+def is_supervised(chosen: argparse.Namespace) -> bool:
+    """Return whether SupervisedTrain.ssp is to be built. Raises BadInputError without its target or train data."""
+    given = chosen.model == "ssp" and any(getattr(chosen, name) != OWN_OPTIONS[name] for name in OF_SSP)
+    if given and (chosen.target is None or chosen.train is None):
+        missing = "--target" if chosen.target is None else "--train"
+        raise BadInputError(
+            f"The ssp of a train must have {missing}; got none. Write: ssp --consist FILE --train FILE --target PLACE."
+        )
+    return given
+
+
+def supervised_run(chosen: argparse.Namespace) -> SupervisedRun:
+    """Return the content of SupervisedTrain.ssp."""
+    speeds = {
+        name: getattr(chosen, name) / 3.6 for name in ("speed", "start_speed") if getattr(chosen, name) is not None
+    }
+    return SupervisedRun(chosen.consist, chosen.train, chosen.target, national=chosen.national, **speeds)
 
 
 def check_extras(chosen: argparse.Namespace, kinds: Sequence[str]) -> None:
@@ -173,10 +219,12 @@ def check_own_options(chosen: argparse.Namespace) -> None:
     """Refuse options of other FMUs. Raises BadInputError."""
     for option, default in OWN_OPTIONS.items():
         value, owners = getattr(chosen, option), [name for name, fmu in IN_C.items() if option in fmu.options]
+        owners += ["ssp"] if option in OF_SSP else []
         with_controller = option == "wheelsets"
         if value == default or chosen.model in owners or (with_controller and chosen.controller):
             continue
-        flag, text = f"--{option.replace('_', '-')}", "FILE" if default is None else value
+        text = "FILE" if isinstance(value, Path) else f"{value:g}" if isinstance(value, float) else value
+        flag = f"--{option.replace('_', '-')}"
         belongs = " and ".join(owners) if len(owners) > 1 else f"the {owners[0]}"
         raise BadInputError(
             f"{flag} belongs to {belongs}{' and to --controller' if with_controller else ''}; got {chosen.model}. "
@@ -217,9 +265,12 @@ def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:
         kind = "fmi3" if chosen.kind == "fmi3" else "native"
         return bool(build_controller(chosen.controller, chosen.out, chosen.wheelsets, kind))
     own = {option: getattr(chosen, option) for option in OWN_OPTIONS}
+    system = supervised(supervised_run(chosen)) if is_supervised(chosen) else None
     problems = build_all(names, kinds, chosen.out, every, **own)
     write_sets(names, chosen.out)
-    if "native" in kinds:
+    if system:
+        say_system(write_supervised_train(system, chosen.out))
+    elif "native" in kinds:
         build_systems(names, chosen.out, every)
     return bool(problems)
 

@@ -10,17 +10,29 @@ import math
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from fmu_src.archive import write_archive, xml_file
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.compile import plain_library
+from fmu_src.host_programs import HostVariable, hosts
 from fmu_src.identity import identifier, with_data
-from fmu_src.model_description import DISPLAY_UNITS, NOMINAL, UNITS, add_experiment, description_root, number_text
-from fmu_src.native_fmu import binary_for, csharp_hosts
-from fmu_src.objects import ARRAYS, FACES, OF_BOTH, OF_SLAVES, RUNTIME, able
+from fmu_src.model_description import (
+    DISPLAY_UNITS,
+    NOMINAL,
+    TYPES,
+    TYPES3,
+    UNITS,
+    add_experiment,
+    description_root,
+    number_text,
+)
+from fmu_src.native_fmu import binary_for
+from fmu_src.objects import ARRAYS, FACES, OF_BOTH, OF_SLAVES, READERS, RUNTIME, START_VALUES, able
+from fmu_src.pages import BESIDE, ENDS_OF_ARRAYS, page
 from fmu_src.standard_headers import standard_headers
+from fmu_src.start_values import FILE as START_FILE
 from readers.usual import LEAST_PRESSURE
 
 #: Elements of an array at most; the value reference in FMI 2.0 is array * ELEMENTS + element.
@@ -65,7 +77,7 @@ def token_of(given: ArraysInC) -> str:
 
 
 def _faces() -> dict[str, str]:
-    return {name: (RUNTIME / name).read_text(encoding="utf-8") for name in (ARRAYS, *FACES)}
+    return {name: (RUNTIME / name).read_text(encoding="utf-8") for name in (ARRAYS, START_VALUES, *READERS, *FACES)}
 
 
 def all_sources(given: ArraysInC) -> dict[str, str]:
@@ -119,6 +131,20 @@ class ArraysFmu:
     extras: Mapping[str, bytes] = field(default_factory=dict)
 
 
+def with_starts(fmu: ArraysFmu, values: Mapping[str, float | Sequence[float]]) -> ArraysFmu:
+    """Return the FMU that starts with these values of arrays by name, in its resources too. Raises KeyError."""
+    places = {array.name: number for number, array in enumerate(fmu.given.arrays)}
+    starts, rows = list(fmu.starts), list[str]()
+    for name, value in values.items():
+        place = places[name]
+        numbers = [value] if isinstance(value, (int, float)) else list(value)
+        starts[place] = numbers
+        names = [name] if len(numbers) == 1 else [f"{name}[{number}]" for number in range(1, len(numbers) + 1)]
+        texts = [number_text(number, not fmu.given.arrays[place].whole) for number in numbers]
+        rows += [f"{element},{text}\n" for element, text in zip(names, texts, strict=True)]
+    return replace(fmu, starts=starts, data={**fmu.data, START_FILE: "".join(rows).encode()})
+
+
 def build_arrays_fmu(fmu: ArraysFmu, path: Path, version: int, binaries: Mapping[str, bytes]) -> None:
     """Write the FMU of an object with arrays; binaries: by their places in binaries/."""
     given = fmu.given
@@ -130,8 +156,47 @@ def build_arrays_fmu(fmu: ArraysFmu, path: Path, version: int, binaries: Mapping
     files |= {f"sources/{name}": text for name, text in standard_headers(version).items()}
     if version == 3:
         files["sources/buildDescription.xml"] = build_description(given).encode()
-    files |= csharp_hosts(version) | dict(fmu.extras)
+    files |= hosts(given.name, token_of(given), version, _numbered(fmu, version), "?*.c")
+    files["documentation/index.html"] = documentation(fmu, version).encode()
+    files |= fmu.extras
     write_archive(path, with_data(files, fmu.data, fmu.title) if fmu.data else files)
+
+
+def _numbered(fmu: ArraysFmu, version: int) -> list[HostVariable]:
+    """Return the arrays with the value references of a version of FMI."""
+    stride = {2: fmu.given.stride, 3: 1}[version]
+    return [
+        HostVariable(array.name, array.causality, number * stride, array.whole, fmu.lengths[number])
+        for number, array in enumerate(fmu.given.arrays)
+    ]
+
+
+def documentation(fmu: ArraysFmu, version: int) -> str:
+    """Return the page about the FMU: its description, and a row for each array."""
+    given = fmu.given
+    rows = [
+        _cells(array, starts, {2: TYPES, 3: TYPES3}[version])
+        for array, starts in zip(given.arrays, fmu.starts, strict=True)
+        if len(starts)
+    ]
+    return page(given.name, given.description, ENDS_OF_ARRAYS[version] + BESIDE, rows)
+
+
+def _cells(array: ArrayVariable, starts: Sequence[float], types: Mapping[str, str]) -> dict[str, str]:
+    """Return the cells of an array by the heads of their columns; one start value stands for equal ones."""
+    given, equal = array.causality != "output", len(set(starts)) == 1
+    between, shown = _limits(array), starts[:1] if equal else starts
+    return {
+        "name": array.name,
+        "elements": str(len(starts)),
+        "type": types["integer" if array.whole else "real"],
+        "causality": array.causality,
+        "variability": _nature(array)["variability"],
+        "unit": "" if array.whole else array.unit,
+        "start": " ".join(f"{value:g}" for value in shown) if given else "",
+        **{name: f"{float(between[name]):g}" if name in between else "" for name in ("min", "max")},
+        "meaning": array.description,
+    }
 
 
 def sources_for(given: ArraysInC, version: int) -> dict[str, str]:

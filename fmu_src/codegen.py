@@ -16,7 +16,7 @@ from fmu_src.identity import identifier
 from fmu_src.idle_parameters import without_effect
 from fmu_src.model_description import model_description
 from fmu_src.model_exchange import exchanged, serves_exchange
-from fmu_src.objects import FACES, KERNEL, RUNTIME
+from fmu_src.objects import FACES, KERNEL, RUNTIME, START_VALUES
 from fmu_src.progress import counting
 from fmu_src.record_file import own_name, own_records, record_file_source, record_in_c
 from fmu_src.states import SteadyStart
@@ -59,7 +59,7 @@ KERNEL_SOURCES = (
     "saved.c",
     "instance.c",
 )
-FACE_SOURCES = (KERNEL, *FACES)
+FACE_SOURCES = (KERNEL, START_VALUES, *FACES)
 STUDY_SOURCES = ("study.c", "other_methods.c")
 #: Sources of runs in lanes, with the number of lanes as a macro.
 BATCH_SOURCES = ("batch_lanes.c", "batch.c")
@@ -82,6 +82,7 @@ RUNTIME_HEADERS = (
     "piecewise.h",
     "readable.h",
     "resources.h",
+    "start_values.h",
     "identity.h",
     "print_text.h",
     "traps.h",

@@ -6,7 +6,6 @@ One binary works for FMI 2.0 and 3.0; the archives differ in modelDescription.xm
 from __future__ import annotations
 
 import struct
-import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from fmu_src.archive import write_archive
 from fmu_src.codegen import FACE_SOURCES, KERNEL_SOURCES, RUNTIME, RUNTIME_HEADERS, generate, guid_of
 from fmu_src.compile import library_of, library_suffix
 from fmu_src.equations_in_c import TABLE_FILE
+from fmu_src.host_programs import host_variables, hosts
 from fmu_src.model_description import model_description, model_description3
 from fmu_src.pages import pages
 from fmu_src.record_file import OWN
@@ -52,15 +52,6 @@ SOURCES = {
     2: (*KERNEL_SOURCES, *(name for name in FACE_SOURCES if name != "fmi3.c"), *HEADERS),
     3: (*KERNEL_SOURCES, *(name for name in FACE_SOURCES if name != "fmi2.c"), *HEADERS),
 }
-#: Programs that run an FMU, with placeholders for its names: their names in the archive and here, by version of FMI.
-#: The placeholder of the version is @N@; a line that begins with @2@ or @3@ is used for that version alone.
-HOSTS = Path(__file__).parent / "hosts"
-HOST_FILES = {
-    2: {"host.c": "host.c", "host.cpp": "host2.cpp", "host.py": "host.py"},
-    3: {"host.c": "host.c", "host.py": "host.py"},
-}
-#: Those in C#, which read names from modelDescription.xml: the same for every FMU of FMI 2.0, also one of arrays.
-CSHARP = {"host.cs": "host2.cs", "FmuBehaviour.cs": "FmuBehaviour.cs"}
 #: The one file to compile; it includes the others.
 ONE_UNIT = "all.c"
 
@@ -94,7 +85,8 @@ def _build(model: Model, path: Path, version: int, platforms: Sequence[str], ext
     contents = {"modelDescription.xml": about.encode()} | {f"sources/{name}": data for name, data in files.items()}
     for name, (targets, suffix) in platforms_of(version, platforms).items():
         contents[f"binaries/{name}/{model.name}{suffix}"] = binary_of(sources, targets, fmu=True)
-    write_archive(path, contents | pages(model, kind, extras) | hosts(model, guid, version) | dict(extras))
+    programs = hosts(model.name, guid, version, host_variables(model), ONE_UNIT)
+    write_archive(path, contents | pages(model, kind, extras) | programs | dict(extras))
 
 
 def platforms_of(version: int, names: Sequence[str] = ()) -> dict[str, tuple[tuple[str, ...], str]]:
@@ -141,32 +133,6 @@ def build_description(model: Model) -> str:
         f'      <SourceFile name="{ONE_UNIT}"/>\n    </SourceFileSet>\n    <Library name="m"/>\n'
         "  </BuildConfiguration>\n</fmiBuildDescription>\n"
     )
-
-
-def hosts(model: Model, guid: str, version: int) -> dict[str, bytes]:
-    """Return programs in C, C++, Python and C# that run the FMU, by their places in the archive."""
-    listed = [(v, number) for number, v in enumerate(model.variables) if v.kind in ("real", "integer")]
-    lists = {}
-    for name, causalities in (("SETTABLE", ("parameter", "input")), ("OUTPUT", ("output",))):
-        entries = [f"{{\"{v.name}\",~{n},~'{v.kind[0]}'}}" for v, n in listed if v.causality in causalities]
-        lines = textwrap.fill(", ".join(entries), 118, initial_indent="    ", subsequent_indent="    ")
-        lists[name] = lines.replace("~", " ")
-    places = {"MODEL": model.name, "GUID": guid, "N": str(version)} | lists
-    found = {}
-    for name, template in HOST_FILES[version].items():
-        given = (HOSTS / template).read_text().splitlines(keepends=True)
-        own = [line.removeprefix(f"@{version}@") for line in given if not line.startswith(f"@{5 - version}@")]
-        text = "".join(own)
-        for place, value in places.items():
-            text = text.replace(f"@{place}@", value)
-        found[f"documentation/{name}"] = text.encode()
-    return found | csharp_hosts(version)
-
-
-def csharp_hosts(version: int) -> dict[str, bytes]:
-    """Return the programs in C# that run any FMU of FMI 2.0; none for FMI 3.0."""
-    files = CSHARP if version == 2 else {}
-    return {f"documentation/{name}": (HOSTS / template).read_bytes() for name, template in files.items()}
 
 
 def universal(libraries: Mapping[str, bytes]) -> bytes:

@@ -10,6 +10,8 @@ from pathlib import Path
 RUNTIME = Path(__file__).parent / "runtime"
 #: The files that fill in the table; "": pythonfmu, whose binary is not ours.
 KERNEL, ARRAYS, PYTHON = "kernel_object.c", "arrays_object.c", ""
+#: Start values among the resources, which both objects read; what it needs besides, where no kernel is.
+START_VALUES, READERS = "start_values.c", ("text_rows.c", "decimal.c")
 #: The FMI functions of both standards, after the file of their object: in one unit its table must come first.
 FACES = ("face.c", "fmi2.c", "fmi3.c")
 #: Attributes of both interfaces, and of co-simulation alone, with the member of the table that an FMU needs for them.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from fmu_src.compliance import CHECKS
 from fmu_src.model_description import cells
@@ -30,12 +30,25 @@ ENDS = {
         "with a sentence, and discards every step until that variable has a good value."
     ),
 }
+#: The same for FMUs around an object in C, whose variables are arrays.
+ENDS_OF_ARRAYS = {
+    2: (
+        "FMI 2.0 co-simulation. An element of an array has the name of the array and its number, from 1: name[1]. "
+        "Refused values return fmi2Error and keep the old one. A step that cannot be made returns fmi2Discard with a "
+        "sentence."
+    ),
+    3: (
+        "FMI 3.0 co-simulation. An array is one variable. Refused values return fmi3Error and keep the old one. A step "
+        "that cannot be made returns fmi3Discard with a sentence."
+    ),
+}
 STYLE = (
     "<style>body{font-family:sans-serif;max-width:80em;margin:2em auto}td,th{text-align:left;padding:0 .8em .2em 0}"
     "</style>\n"
 )
 
 
+BESIDE = " Beside this page lie programs that run the FMU, host.c and others."
 #: Place of the page's figure in the archive.
 PICTURE = "documentation/picture.png"
 
@@ -48,18 +61,22 @@ def pages(model: Model, kind: str, beside: Collection[str] = ()) -> dict[str, by
 
 def documentation(model: Model, kind: str, beside: Collection[str] = ()) -> str:
     """Return a page about the FMU: its description, how a run ends, and its variables."""
-    told = [cells(variable) for variable in model.variables]
-    heads = "".join(f'<th scope="col">{head}</th>' for head in told[0])
-    rows = [row(list(one.values())) for one in told]
     picture = f'<p><img src="picture.png" alt="A run of {model.name}" style="max-width:100%"></p>\n'
     shown = picture if PICTURE in beside else ""
     sets = ' <a href="fmi-ls-ref.html">Parameter sets and experiments.</a>' if PAGE in beside else ""
-    host = "" if kind == "python" else " Beside this page lie programs that run the FMU, host.c and others."
+    host = "" if kind == "python" else BESIDE
     solved = "" if kind == "python" else f" {integrated(model)}"
+    text = f'{ENDS[kind]}{solved} <a href="compliance.html">What of the standard is tested.</a>{host}{sets}'
+    return page(model.name, model.description, text, [cells(variable) for variable in model.variables], shown)
+
+
+def page(name: str, description: str, text: str, told: Sequence[Mapping[str, str]], shown: str = "") -> str:
+    """Return a page with the variables of an FMU as a table; text, shown: HTML below its description."""
+    heads = "".join(f'<th scope="col">{head}</th>' for head in told[0])
+    rows = [row(list(one.values())) for one in told]
     return (
-        f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{model.name}</title>\n{STYLE}'
-        f"<h1>{model.name}</h1>\n<p>{html.escape(model.description)}.</p>\n{shown}"
-        f'<p>{ENDS[kind]}{solved} <a href="compliance.html">What of the standard is tested.</a>{host}{sets}</p>\n'
+        f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{name}</title>\n{STYLE}'
+        f"<h1>{name}</h1>\n<p>{html.escape(description)}.</p>\n{shown}<p>{text}</p>\n"
         f"<table><tr>{heads}</tr>\n" + "\n".join(rows) + "\n</table></html>\n"
     )
 

@@ -8,13 +8,19 @@ FMPy reads neither of the first two by itself.
 
 from __future__ import annotations
 
+import io
 import xml.etree.ElementTree as ET
+import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from fmu_src import parameter_file
 from fmu_src.archive import write_archive, xml_file
+from fmu_src.c_literals import c_text
+from fmu_src.host_programs import filled
+from fmu_src.identity import token_in
 from fmu_src.parameter_file import add_parameter
 from fmu_src.start_values import with_start_values
 
@@ -64,7 +70,9 @@ def write_ssp(
     Takes experiment [s].
     """
     components = _with_own_files(components)
-    contents = {f"resources/{one.file}": with_start_values(one.fmu, one.parameters) for one in components}
+    fmus = {one.name: with_start_values(one.fmu, one.parameters) for one in components}
+    contents = {f"resources/{one.file}": fmus[one.name] for one in components}
+    contents["documentation/host.c"] = _host(name, components, connections, experiment[1], fmus)
     contents["SystemStructure.ssd"] = xml_file(_structure(name, components, connections, experiment))
     root = ET.Element("ssv:ParameterSet", {"version": "1.0", "name": name, "xmlns:ssv": NAMESPACES["xmlns:ssv"]})
     parameters = ET.SubElement(root, "ssv:Parameters")
@@ -72,6 +80,45 @@ def write_ssp(
         _parameters(parameters, component, f"{component.name}.")
     contents[PARAMETERS_FILE.format(name)] = xml_file(root)
     write_archive(path, contents)
+
+
+def _host(
+    name: str, components: Sequence[Component], wires: Sequence[Wire], step: float, fmus: Mapping[str, bytes]
+) -> bytes:
+    """Return the program in C that runs the system; fmus: archives by component."""
+    about = {one.name: _variables(one) for one in components}
+    number = {one.name: place for place, one in enumerate(components)}
+
+    def place(of: tuple[str, str]) -> str:
+        return f"{{{number[of[0]]}, {about[of[0]][of[1]].valueReference}}}"
+
+    def letter(of: tuple[str, str]) -> str:
+        return f"'{about[of[0]][of[1]].type[0]}'"
+
+    rows = [[one.name, _identifier(one), _token(fmus[one.name])] for one in components]
+    outputs = [(one.name, output) for one in components for output in _outputs(one, wires)]
+    connected = [f"{{{place(one.source)}, {place(one.target)}, {letter(one.source)}}}" for one in wires]
+    tables = {
+        "COMPONENTS": [f"{{{', '.join(map(c_text, row))}}}" for row in rows],
+        "WIRES": [*connected, "{{0, 0}, {0, 0}, 0}"],
+        "OUTPUTS": [f"{{{place(of)}, {letter(of)}, {c_text('.'.join(of))}}}" for of in outputs],
+    }
+    unpack = [f" *   python -m zipfile -e resources/{one.file} {one.name}" for one in components]
+    places = {key: ",\n".join(f"    {entry}" for entry in entries) for key, entries in tables.items()}
+    places |= {"SYSTEM": name, "STEP": repr(step), "FIRST": components[0].name, "UNPACK": "\n".join(unpack)}
+    return filled("system2.c", 2, places)
+
+
+def _token(fmu: bytes) -> str:
+    """Return the GUID of an archive."""
+    with zipfile.ZipFile(io.BytesIO(fmu)) as archive:
+        return token_in(archive.read("modelDescription.xml").decode())
+
+
+def _outputs(component: Component, wires: Sequence[Wire]) -> list[str]:
+    """Return the outputs of a component that are connected or shown."""
+    connected = [wire.source[1] for wire in wires if wire.source[0] == component.name]
+    return list(dict.fromkeys([*connected, *component.shown]))
 
 
 def _with_own_files(components: Sequence[Component]) -> list[Component]:
@@ -115,12 +162,11 @@ def _component(elements: ET.Element, system: str, component: Component, connecti
     )
     connectors = ET.SubElement(element, "ssd:Connectors")
     inputs = [c.target[1] for c in connections if c.target[0] == component.name]
-    outputs = [*(c.source[1] for c in connections if c.source[0] == component.name), *component.shown]
-    types = _types(component)
-    for kind, names in (("input", inputs), ("output", outputs)):
+    variables = _variables(component)
+    for kind, names in (("input", inputs), ("output", _outputs(component, connections))):
         for variable in dict.fromkeys(names):
             connector = ET.SubElement(connectors, "ssd:Connector", name=variable, kind=kind)
-            ET.SubElement(connector, f"ssc:{types[variable]}")
+            ET.SubElement(connector, f"ssc:{variables[variable].type}")
     binding = ET.SubElement(ET.SubElement(element, "ssd:ParameterBindings"), "ssd:ParameterBinding")
     values = ET.SubElement(binding, "ssd:ParameterValues")
     # ecos selects a set of parameters by name: all components share one.
@@ -128,16 +174,23 @@ def _component(elements: ET.Element, system: str, component: Component, connecti
     _parameters(ET.SubElement(inline, "ssv:Parameters"), component)
 
 
-def _types(component: Component) -> dict[str, str]:
-    """Return the types of the variables of a component's FMU. Raises MissingExtraError."""
+def _variables(component: Component) -> dict[str, Any]:
+    """Return the variables of a component's FMU by name, as FMPy has them. Raises MissingExtraError."""
     from fmu_src.cosimulation.opening import description_of  # with FMPy, an optional dependency
 
-    return {v.name: v.type for v in description_of(component.fmu).modelVariables}
+    return {variable.name: variable for variable in description_of(component.fmu).modelVariables}
+
+
+def _identifier(component: Component) -> str:
+    """Return the name of the library of a component's FMU."""
+    from fmu_src.cosimulation.opening import description_of  # with FMPy, an optional dependency
+
+    return str(description_of(component.fmu).coSimulation.modelIdentifier)
 
 
 def _parameters(parent: ET.Element, component: Component, prefix: str = "") -> None:
-    types = _types(component)
+    variables = _variables(component)
     for key, value in component.parameters.items():
-        if key not in types:
+        if key not in variables:
             raise ValueError(f"{component.fmu.name} has no variable {key}; its modelDescription.xml lists them.")
-        add_parameter(parent, f"{prefix}{key}", value, types[key] == "Real")
+        add_parameter(parent, f"{prefix}{key}", value, variables[key].type == "Real")

@@ -13,7 +13,7 @@ from fmu_src.parameter_file import text_of
 #: File of start values among the resources, rows NAME,VALUE, that the binary reads instead of its own, face.c.
 FILE = "start_values.csv"
 #: File that marks an archive whose binary reads FILE; that of pythonfmu does not.
-NATIVE = "sources/model.c"
+NATIVE = "sources/start_values.c"
 
 
 def with_start_values(

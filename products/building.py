@@ -22,7 +22,7 @@ from fmu_src.references import reference_files
 from fmu_src.step_fmu_in_c import step_in_c
 from fmu_src.step_model import StepInC, StepInPython
 from fmu_src.system import Model, Variable
-from fmu_src.terminals import FILE, ICON, terminals_and_icons
+from fmu_src.terminals import FILE, ICON, Terminal, terminals_and_icons
 from products.build_notes import remembered, remembered_path
 from products.experiments import experiments_of
 from products.one_level import model_at
@@ -65,18 +65,19 @@ def license_text() -> bytes:
 def extras(name: str, kind: str) -> dict[str, bytes]:
     """Return the further contents of a native archive by name.
 
-    They are license, terminals and icon, the figure of its page if any, parameter sets, and experiments with their
-    results.
+    They are those of every archive, the figure of its page if any, parameter sets, and experiments with their results.
     """
-    files = {
-        LICENSE: license_text(),
-        FILE: terminals_and_icons(terminals_of(model_of(name))),
-    }
-    icons = [ICON, "model.png"] if kind == "native" else [ICON]  # FMI 2.0.4 has both places
-    files |= dict.fromkeys(icons, (PICTURES / "icon.png").read_bytes())
+    files = common_files(terminals_of(model_of(name).variables), VERSIONS[kind])
     files |= reference_files(model_of(name), set_files(name), experiments_of(name))
     picture = FMUS[name].picture
     return files | ({"documentation/picture.png": (PICTURES / picture).read_bytes()} if picture else {})
+
+
+def common_files(terminals: Sequence[Terminal], version: int) -> dict[str, bytes]:
+    """Return license, terminals and icon of an archive by name; version: of FMI."""
+    icons = [ICON, "model.png"] if version == 2 else [ICON]  # FMI 2.0.4 has both places
+    icon = (PICTURES / "icon.png").read_bytes()
+    return {LICENSE: license_text(), FILE: terminals_and_icons(terminals)} | dict.fromkeys(icons, icon)
 
 
 def fmu_path(name: str, kind: str, out: Path) -> Path:
@@ -230,9 +231,8 @@ def build_all(
         for name in names if kind in NATIVE else [name for name in names if name in FMUS]:
             begin = time.perf_counter()
             if name in in_c:
-                fmu = replace(in_c[name], extras={LICENSE: license_text(), **in_c[name].extras})
-                path = out / kind / f"{fmu.given.name}.fmu"
-                write_in_c(fmu, path, VERSIONS[kind], all_platforms)
+                path = out / kind / f"{in_c[name].given.name}.fmu"
+                write_in_c(in_c[name], path, VERSIONS[kind], all_platforms)
             elif kind in NATIVE and not all_platforms:
                 path = copy_fmu(name, kind, out)
             else:
@@ -248,7 +248,9 @@ def write_in_c(fmu: ArraysFmu, path: Path, version: int = 2, all_platforms: bool
         f"{name}/{given.name}{suffix}": binary_of_arrays(given, targets) if targets else own_binary(given)
         for name, (targets, suffix) in platforms_of(version, names).items()
     }
-    build_arrays_fmu(fmu, path, version, binaries)
+    single = [array for array, starts in zip(given.arrays, fmu.starts, strict=True) if len(starts) == 1]
+    files = common_files(terminals_of(single), version)
+    build_arrays_fmu(replace(fmu, extras={**files, **fmu.extras}), path, version, binaries)
 
 
 def own_binary(given: ArraysInC) -> bytes:

@@ -37,7 +37,7 @@ def sources_here() -> str:
 def content_of(name: str) -> str:
     """Return a name for the content of an FMU of the registry: its C and runtime, its further files, and its makers."""
     found = hashlib.sha256(guid_of(generate(model_of(name))).encode())
-    found.update(repr([terminals_of(model_of(name)), set_files(name), experiments_of(name)]).encode())
+    found.update(repr([terminals_of(model_of(name).variables), set_files(name), experiments_of(name)]).encode())
     for source in (*sorted([*MAKERS.glob("*.py"), *MAKERS.glob("hosts/*.*")]), *sorted(PICTURES.glob("*.png"))):
         found.update(content(source))
     return found.hexdigest()[:24]

@@ -87,8 +87,12 @@ IN_C: dict[str, FmuInC] = {
     "coupler": FmuInC("one coupler between two vehicles", "train.coupler_fmu", "named_coupler_fmu", ("coupler",)),
     "sensor": FmuInC("measured wheel speeds, for a controller", "protection.sensor_fmu", "sensor_fmu", ("wheelsets",)),
     "curves": FmuInC(
-        "supervision by the braking curves of ETCS", "braking_curves.fmu", "curves_on_line_fmu", ("line",)
+        "supervision by the braking curves of ETCS",
+        "braking_curves.fmu",
+        "curves_of_files_fmu",
+        ("line", "train", "national"),
     ),
+    "driver": FmuInC("driver of a train under these curves", "train.driver_fmu", "driver_fmu", ()),
 }
 
 #: Names that people type for FMUs of the list.

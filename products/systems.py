@@ -95,5 +95,9 @@ def build_systems(names: Sequence[str], out: Path, all_platforms: bool = False) 
     """Writes the systems that are made of the named FMUs, a line each."""
     for system, (needed, _) in SYSTEMS.items():
         if needed <= set(names):
-            path = build_system(system, out, all_platforms)
-            print(f"{path}  {path.stat().st_size / 1000:.0f} kB")
+            say_system(build_system(system, out, all_platforms))
+
+
+def say_system(path: Path) -> None:
+    """Print the line of a system that was written."""
+    print(f"{path}  {path.stat().st_size / 1000:.0f} kB")

@@ -1,9 +1,10 @@
 """Where the FMUs connect to each other and to others: their terminals, found by the names of the variables."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from fmu_src.system import Model
+from fmu_src.arrays_fmu import ArrayVariable
+from fmu_src.system import Variable
 from fmu_src.terminals import Terminal
 
 
@@ -45,9 +46,9 @@ KINDS = (
 PLACES = ("", "_1", "_2", "_3", "_4", "_front", "_rear")
 
 
-def terminals_of(model: Model) -> list[Terminal]:
+def terminals_of(variables: Iterable[Variable | ArrayVariable]) -> list[Terminal]:
     """Those kinds at those places whose members are all there, some as inputs and some as outputs."""
-    causality = {variable.name: variable.causality for variable in model.variables}
+    causality = {variable.name: variable.causality for variable in variables}
     found = []
     for kind in KINDS:
         for place in PLACES:

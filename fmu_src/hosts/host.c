@@ -1,7 +1,8 @@
-/* A host for @MODEL@.fmu on one page: sets what is named, makes 100 steps of 10 ms and prints the outputs.
+/* A host for @MODEL@.fmu on one page: sets what is named, makes 100 steps of 10 ms and prints the outputs. seconds=30 makes
+ * 3000 steps. NAME[2]=VALUE sets the second element of an array, and NAME=VALUE all of them.
 @2@ * Opening the binary: cc -I../sources host.c -ldl -o host && ./host ../binaries/linux64/@MODEL@.so NAME=VALUE ...
 @3@ * Opening the binary: cc -I../sources host.c -ldl -o host && ./host ../binaries/x86_64-linux/@MODEL@.so NAME=VALUE ...
- * Linked with sources: cc -I../sources -DFMI@N@_FUNCTION_PREFIX=@MODEL@_ host.c ../sources/all.c -lm -o host
+ * Linked with sources: cc -I../sources -DFMI@N@_FUNCTION_PREFIX=@MODEL@_ host.c ../sources/@UNITS@ -lm -o host
  *                      && ./host NAME=VALUE ...
  * Data of the FMU are in its folder resources: beside the binary's folder, or, for a linked program, RESOURCES. */
 #include <stdio.h>
@@ -23,9 +24,10 @@
 #endif
 #define FUNCTIONS(DO) \
 @2@    DO(fmi2Instantiate) DO(fmi2SetupExperiment) DO(fmi2EnterInitializationMode) DO(fmi2ExitInitializationMode) \
-@2@    DO(fmi2SetReal) DO(fmi2SetInteger) DO(fmi2GetReal) DO(fmi2DoStep) DO(fmi2Terminate) DO(fmi2FreeInstance)
+@2@    DO(fmi2SetReal) DO(fmi2SetInteger) DO(fmi2GetReal) DO(fmi2GetInteger) DO(fmi2DoStep) DO(fmi2Terminate) \
+@2@    DO(fmi2FreeInstance)
 @3@    DO(fmi3InstantiateCoSimulation) DO(fmi3EnterInitializationMode) DO(fmi3ExitInitializationMode) DO(fmi3SetFloat64) \
-@3@    DO(fmi3SetInt32) DO(fmi3GetFloat64) DO(fmi3DoStep) DO(fmi3Terminate) DO(fmi3FreeInstance)
+@3@    DO(fmi3SetInt32) DO(fmi3GetFloat64) DO(fmi3GetInt32) DO(fmi3DoStep) DO(fmi3Terminate) DO(fmi3FreeInstance)
 #define DECLARE(function) static function##TYPE *function;
 #define LOAD(function) memcpy(&function, (void *[]){FIND(library, #function)}, sizeof(void *));
 FUNCTIONS(DECLARE)
@@ -35,16 +37,19 @@ FUNCTIONS(DECLARE)
 #define RESOURCES "../resources"
 #endif
 
-/* Names, value references and types (real, integer) from modelDescription.xml. */
-static const struct {
+enum { MOST = @MOST@ }; /* elements of an array */
+/* Names, value references, types (real, integer) and numbers of elements, from modelDescription.xml. */
+static const struct variable {
     const char *name;
     fmi@N@ValueReference reference;
     char type;
+    size_t count;
 } SETTABLE[] = {
 @SETTABLE@
 }, OUTPUT[] = {
 @OUTPUT@
 };
+static int steps = 100;
 
 static void require(fmi@N@Status status, const char *what) {
     if (status <= fmi@N@Warning) return;
@@ -61,21 +66,56 @@ static void require(fmi@N@Status status, const char *what) {
 @3@    fprintf(stderr, "%s\n", message);
 }
 
+/* Read all elements of a variable. */
+@2@static void get(fmi2Component fmu, const struct variable *from, double *value) {
+@2@    for (size_t k = 0; k < from->count; ++k) {
+@2@        const fmi2ValueReference reference = from->reference + (fmi2ValueReference)k;
+@2@        fmi2Integer whole = 0;
+@2@        require(from->type == 'r' ? fmi2GetReal(fmu, &reference, 1, value + k)
+@2@                                  : fmi2GetInteger(fmu, &reference, 1, &whole), from->name);
+@2@        if (from->type == 'i') value[k] = whole;
+@2@    }
+@3@static void get(fmi3Instance fmu, const struct variable *from, double *value) {
+@3@    static fmi3Int32 whole[MOST];
+@3@    require(from->type == 'r' ? fmi3GetFloat64(fmu, &from->reference, 1, value, from->count)
+@3@                              : fmi3GetInt32(fmu, &from->reference, 1, whole, from->count), from->name);
+@3@    for (size_t k = 0; from->type == 'i' && k < from->count; ++k) value[k] = whole[k];
+}
+
+/* Set all elements of a variable. */
+@2@static void put(fmi2Component fmu, const struct variable *to, const double *value, const char *assignment) {
+@2@    for (size_t k = 0; k < to->count; ++k) {
+@2@        const fmi2ValueReference reference = to->reference + (fmi2ValueReference)k;
+@2@        const fmi2Integer whole = (fmi2Integer)value[k];
+@2@        require(to->type == 'r' ? fmi2SetReal(fmu, &reference, 1, value + k) : fmi2SetInteger(fmu, &reference, 1, &whole),
+@2@                assignment);
+@2@    }
+@3@static void put(fmi3Instance fmu, const struct variable *to, const double *value, const char *assignment) {
+@3@    static fmi3Int32 whole[MOST];
+@3@    for (size_t k = 0; k < to->count; ++k) whole[k] = (fmi3Int32)value[k];
+@3@    require(to->type == 'r' ? fmi3SetFloat64(fmu, &to->reference, 1, value, to->count)
+@3@                            : fmi3SetInt32(fmu, &to->reference, 1, whole, to->count), assignment);
+}
+
 @2@static void set(fmi2Component fmu, const char *assignment) {
 @3@static void set(fmi3Instance fmu, const char *assignment) {
-    const size_t length = strcspn(assignment, "=");
-    const char *number = assignment + length + (assignment[length] == '=');
-@2@    const fmi2Real real = strtod(number, NULL);
-@2@    const fmi2Integer integer = atoi(number);
-@3@    const fmi3Float64 real = strtod(number, NULL);
-@3@    const fmi3Int32 integer = atoi(number);
-    for (size_t i = 0; i < sizeof SETTABLE / sizeof *SETTABLE; ++i) {
-        if (strlen(SETTABLE[i].name) != length || strncmp(SETTABLE[i].name, assignment, length) != 0) continue;
-        const fmi@N@ValueReference *reference = &SETTABLE[i].reference;
-@2@        require(SETTABLE[i].type == 'r' ? fmi2SetReal(fmu, reference, 1, &real)
-@2@                                        : fmi2SetInteger(fmu, reference, 1, &integer), assignment);
-@3@        require(SETTABLE[i].type == 'r' ? fmi3SetFloat64(fmu, reference, 1, &real, 1)
-@3@                                        : fmi3SetInt32(fmu, reference, 1, &integer, 1), assignment);
+    static double value[MOST];
+    const size_t length = strcspn(assignment, "[="), equals = strcspn(assignment, "=");
+    const int is_one = assignment[length] == '[';
+    const size_t element = is_one ? strtoul(assignment + length + 1, NULL, 10) : 1;
+    const double number = assignment[equals] ? strtod(assignment + equals + 1, NULL) : 0.0;
+    if (strncmp(assignment, "seconds=", 8) == 0) {
+        steps = (int)(100.0 * number + 0.5);
+        return;
+    }
+    for (size_t i = 0; assignment[equals] && i < sizeof SETTABLE / sizeof *SETTABLE; ++i) {
+        const struct variable *to = &SETTABLE[i];
+        if (strlen(to->name) != length || strncmp(to->name, assignment, length) != 0) continue;
+        if (element < 1 || element > to->count) break;
+        if (is_one) get(fmu, to, value); /* the others keep theirs */
+        for (size_t k = 0; k < to->count; ++k)
+            if (!is_one || k + 1 == element) value[k] = number;
+        put(fmu, to, value, assignment);
         return;
     }
     require(fmi@N@Error, assignment);
@@ -97,23 +137,23 @@ int main(int count, char **argument) {
 @3@    fmi3Instance fmu = fmi3InstantiateCoSimulation("host", "@GUID@", resources, fmi3False, fmi3False, fmi3False, fmi3False,
 @3@                                                   NULL, 0, NULL, log_message, NULL);
     require(fmu ? fmi@N@OK : fmi@N@Error, "The instance");
-    while (next < count) set(fmu, argument[next++]);
 @2@    require(fmi2SetupExperiment(fmu, fmi2False, 0.0, 0.0, fmi2False, 0.0), "The start time");
 @2@    require(fmi2EnterInitializationMode(fmu), "The initialisation");
 @3@    require(fmi3EnterInitializationMode(fmu, fmi3False, 0.0, 0.0, fmi3False, 0.0), "The initialisation");
+    while (next < count) set(fmu, argument[next++]);
     require(fmi@N@ExitInitializationMode(fmu), "The start");
-@2@    for (int n = 0; n < 100; ++n) require(fmi2DoStep(fmu, n * 0.01, 0.01, fmi2True), "A step");
-@3@    for (int n = 0; n < 100; ++n) {
+@2@    for (int n = 0; n < steps; ++n) require(fmi2DoStep(fmu, n * 0.01, 0.01, fmi2True), "A step");
+@3@    for (int n = 0; n < steps; ++n) {
 @3@        fmi3Boolean event, ended, early;
 @3@        fmi3Float64 time;
 @3@        require(fmi3DoStep(fmu, n * 0.01, 0.01, fmi3True, &event, &ended, &early, &time), "A step");
 @3@    }
     for (size_t i = 0; i < sizeof OUTPUT / sizeof *OUTPUT; ++i) {
-@2@        fmi2Real value = 0.0;
-@2@        require(fmi2GetReal(fmu, &OUTPUT[i].reference, 1, &value), OUTPUT[i].name);
-@3@        fmi3Float64 value = 0.0;
-@3@        require(fmi3GetFloat64(fmu, &OUTPUT[i].reference, 1, &value, 1), OUTPUT[i].name);
-        printf("%s %.17g\n", OUTPUT[i].name, value);
+        static double value[MOST];
+        get(fmu, &OUTPUT[i], value);
+        for (size_t k = 0; k < OUTPUT[i].count; ++k)
+            if (OUTPUT[i].count == 1) printf("%s %.17g\n", OUTPUT[i].name, value[k]);
+            else printf("%s[%d] %.17g\n", OUTPUT[i].name, (int)k + 1, value[k]);
     }
     require(fmi@N@Terminate(fmu), "The end");
     fmi@N@FreeInstance(fmu);

@@ -1,4 +1,5 @@
 // A host for @MODEL@.fmu in C++17 on one page: sets what is named, makes 100 steps of 10 ms and prints the outputs.
+// seconds=30 makes 3000 steps. NAME[2]=VALUE sets the second element of an array, and NAME=VALUE all of them.
 // c++ -std=c++17 -I../sources host.cpp -ldl -o host && ./host ../binaries/linux64/@MODEL@.so NAME=VALUE ...
 // Data of the FMU are in its folder resources, beside that of its binaries.
 #include <cstdio>
@@ -13,11 +14,12 @@
 #include <dlfcn.h>
 #endif
 
-// Names, value references and types (real, integer) from modelDescription.xml.
+// Names, value references, types (real, integer) and numbers of elements, from modelDescription.xml.
 struct Variable {
     std::string name;
     fmi2ValueReference reference;
     char type;
+    fmi2ValueReference count;
 };
 const std::vector<Variable> SETTABLE = {
 @SETTABLE@
@@ -62,15 +64,15 @@ class Fmu {
     Fmu &operator=(const Fmu &) = delete;
 
     void set(const std::string &assignment) {
-        const auto length = assignment.find('=');
+        const auto equals = assignment.find('='), length = assignment.find_first_of("[=");
+        const bool is_one = equals != length;
+        const auto element = is_one ? std::stoul(assignment.substr(length + 1)) : 1;
         for (const auto &variable : SETTABLE) {
-            if (length == std::string::npos || variable.name != assignment.substr(0, length)) continue;
-            const fmi2Real real = std::stod(assignment.substr(length + 1));
-            const auto integer = static_cast<fmi2Integer>(real);
-            require(variable.type == 'r'
-                        ? function<fmi2SetRealTYPE>("fmi2SetReal")(instance, &variable.reference, 1, &real)
-                        : function<fmi2SetIntegerTYPE>("fmi2SetInteger")(instance, &variable.reference, 1, &integer),
-                    assignment);
+            if (equals == std::string::npos || variable.name != assignment.substr(0, length)) continue;
+            if (element < 1 || element > variable.count) break;
+            const double number = std::stod(assignment.substr(equals + 1));
+            for (fmi2ValueReference k = 0; k < variable.count; ++k)
+                if (!is_one || k + 1 == element) put(variable, k, number, assignment);
             return;
         }
         require(fmi2Error, assignment);
@@ -84,13 +86,25 @@ class Fmu {
     void step(double time, double size) {
         require(function<fmi2DoStepTYPE>("fmi2DoStep")(instance, time, size, fmi2True), "A step");
     }
-    double get(const Variable &variable) const {
-        fmi2Real value = 0.0;
-        require(function<fmi2GetRealTYPE>("fmi2GetReal")(instance, &variable.reference, 1, &value), variable.name);
-        return value;
+    double get(const Variable &variable, fmi2ValueReference element) const {
+        const fmi2ValueReference reference = variable.reference + element;
+        fmi2Real real = 0.0;
+        fmi2Integer integer = 0;
+        const bool is_real = variable.type == 'r';
+        require(is_real ? function<fmi2GetRealTYPE>("fmi2GetReal")(instance, &reference, 1, &real)
+                        : function<fmi2GetIntegerTYPE>("fmi2GetInteger")(instance, &reference, 1, &integer),
+                variable.name);
+        return is_real ? real : integer;
     }
 
   private:
+    void put(const Variable &variable, fmi2ValueReference element, fmi2Real real, const std::string &assignment) {
+        const fmi2ValueReference reference = variable.reference + element;
+        const auto integer = static_cast<fmi2Integer>(real);
+        require(variable.type == 'r' ? function<fmi2SetRealTYPE>("fmi2SetReal")(instance, &reference, 1, &real)
+                                     : function<fmi2SetIntegerTYPE>("fmi2SetInteger")(instance, &reference, 1, &integer),
+                assignment);
+    }
     template <class Type> Type *function(const char *name) const {
         void *found = library.find(name);
         if (!found) throw std::runtime_error("The library as the first argument has no " + std::string(name) + ".");
@@ -104,10 +118,20 @@ class Fmu {
 int main(int count, char **argument) try {
     const Library library(count > 1 ? argument[1] : "");
     Fmu fmu(library);
-    for (int next = 2; next < count; ++next) fmu.set(argument[next]);
+    const std::string seconds = "seconds=";
+    int steps = 100;
+    for (int next = 2; next < count; ++next) {
+        const std::string given = argument[next];
+        if (given.compare(0, seconds.size(), seconds) != 0) fmu.set(given);
+        else steps = static_cast<int>(100.0 * std::stod(given.substr(seconds.size())) + 0.5);
+    }
     fmu.start();
-    for (int n = 0; n < 100; ++n) fmu.step(n * 0.01, 0.01);
-    for (const auto &variable : OUTPUT) std::printf("%s %.17g\n", variable.name.c_str(), fmu.get(variable));
+    for (int n = 0; n < steps; ++n) fmu.step(n * 0.01, 0.01);
+    for (const auto &variable : OUTPUT)
+        for (fmi2ValueReference k = 0; k < variable.count; ++k) {
+            const std::string element = variable.count > 1 ? "[" + std::to_string(k + 1) + "]" : "";
+            std::printf("%s%s %.17g\n", variable.name.c_str(), element.c_str(), fmu.get(variable, k));
+        }
     return 0;
 } catch (const std::exception &error) {
     std::fprintf(stderr, "%s\n", error.what());

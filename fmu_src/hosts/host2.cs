@@ -1,4 +1,5 @@
-// A host for FMUs of FMI 2.0 in C#: sets what is named, makes 100 steps of 10 ms and prints the outputs.
+// A host for FMUs of FMI 2.0 in C#: sets what is named, makes 100 steps of 10 ms and prints the outputs. seconds=30 makes
+// 3000 steps.
 // mcs host.cs && mono host.exe .. NAME=VALUE ...   (.. is the folder of the unpacked FMU); .NET: a console project.
 // The class Fmu is for programs of your own and for game engines; FmuBehaviour.cs beside it is a component for Unity.
 using System;
@@ -318,8 +319,10 @@ static class Host {
         try {
             string folder = arguments.Length > 0 ? arguments[0] : "..";
             using (var fmu = new Fmu(folder, "host", (status, text) => Console.Error.WriteLine(status + ": " + text))) {
-                fmu.Start(arguments.Skip(1).Select(Assigned));
-                for (int n = 0; n < 100; ++n) fmu.Advance(0.01);
+                var given = arguments.Skip(1).Select(Assigned).ToList();
+                fmu.Start(given.Where(one => one.Key != "seconds"));
+                double seconds = given.Where(one => one.Key == "seconds").Select(one => one.Value).DefaultIfEmpty(1.0).Last();
+                for (int n = 0; n < Math.Round(100.0 * seconds); ++n) fmu.Advance(0.01);
                 foreach (string name in fmu.Outputs)
                     Console.WriteLine(name + " " + fmu[name].ToString("R", CultureInfo.InvariantCulture));
             }

@@ -8,6 +8,7 @@
 #include "object.h"
 #include "resources.h"
 #include "sealed.h"
+#include "start_values.h"
 
 /* Bytes of a file at most. */
 enum { LARGEST = 1 << 27 };
@@ -20,6 +21,7 @@ typedef struct {
 
 struct fmu_object {
     arrays_object *own;
+    char *start_values; /* path of a file that may be there; NULL: the host gave no folder */
     run now;
     double stop; /* infinite: not set */
     kernel_sentence message; /* NULL: all messages were delivered */
@@ -80,16 +82,26 @@ static unsigned object_stride(void) { return ARRAYS_STRIDE; }
 static const variable_description *object_variable(unsigned number) { return number < ARRAYS ? &ARRAYS_ABOUT[number] : NULL; }
 
 static void object_dispose(fmu_object *self) {
-    arrays_free(self->own);
+    if (self->own) arrays_free(self->own);
+    free(self->start_values);
     free(self);
+}
+
+/* Keep the path of start values; false without memory. */
+static bool keep_folder(fmu_object *self, const char *folder) {
+    if (!folder) return true;
+    const size_t length = strlen(folder) + sizeof "/" START_VALUES;
+    self->start_values = (char *)malloc(length);
+    if (self->start_values) print_text(self->start_values, length, "%s/%s", folder, START_VALUES);
+    return self->start_values != NULL;
 }
 
 static fmu_object *object_make(const char *folder, bool exchange, char problem[MESSAGE_SIZE]) {
     (void)exchange; /* which the table does not have */
     fmu_object *self = (fmu_object *)calloc(1, sizeof *self);
-    if (self) self->own = arrays_create(folder, problem);
+    if (self && keep_folder(self, folder)) self->own = arrays_create(folder, problem);
     if (self && self->own) return self;
-    free(self);
+    if (self) object_dispose(self);
     return NULL;
 }
 
@@ -159,11 +171,45 @@ static kernel_status object_set(fmu_object *self, unsigned variable, size_t firs
 
 /* ---- runs ---- */
 
+/* Find the array of NAME, one of a single element, or of NAME[N], and its element from 0; false if there is none. */
+static bool find_element(const fmu_object *self, const char *name, unsigned *variable, size_t *element) {
+    const size_t length = strcspn(name, "[");
+    unsigned number = 1;
+    char end = ']';
+    for (*variable = 0; *variable < ARRAYS; ++*variable)
+        if (strlen(ARRAYS_ABOUT[*variable].name) == length && strncmp(ARRAYS_ABOUT[*variable].name, name, length) == 0) break;
+    if (*variable == ARRAYS || (!name[length] && object_length(self, *variable) != 1)) return false;
+    if (name[length] && (sscanf(name + length, "[%u%c", &number, &end) != 2 || end != ']')) return false;
+    *element = (size_t)number - 1;
+    return *element < object_length(self, *variable);
+}
+
+static start_taken take_start(fmu_object *self, const char *name, double number) {
+    unsigned variable;
+    size_t element;
+    if (!find_element(self, name, &variable, &element) || ARRAYS_ABOUT[variable].causality == CAUSALITY_OUTPUT)
+        return START_UNKNOWN;
+    if (object_check(self, variable, element, 1, &number) != KERNEL_OK) return START_REFUSED;
+    return object_set(self, variable, element, 1, &number) == KERNEL_OK ? START_TAKEN : START_REFUSED;
+}
+
+/* Set the start values of the FMU's own, where there are any. */
+static kernel_status own_start_values(fmu_object *self) {
+    char problem[MESSAGE_SIZE];
+    const char *why;
+    FILE *file = resources_open(self->start_values, &why);
+    if (why)
+        return say(self, KERNEL_ERROR, "The file %s of the resources %s; put a file there that can be read, or nothing.",
+                   START_VALUES, why);
+    if (!file || start_values_read(file, ARRAYS_NAME, self, take_start, problem)) return KERNEL_OK;
+    return *problem ? say(self, KERNEL_ERROR, "%s", problem) : KERNEL_ERROR;
+}
+
 static kernel_status object_reset(fmu_object *self) {
     arrays_reset(self->own);
     memset(&self->now, 0, sizeof self->now);
     self->stop = INFINITY;
-    return KERNEL_OK;
+    return self->start_values ? own_start_values(self) : KERNEL_OK;
 }
 
 static kernel_status object_plan(fmu_object *self, const double *tolerance, double start, const double *stop) {

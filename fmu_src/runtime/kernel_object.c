@@ -2,13 +2,13 @@
 #include "instance.h"
 #include "object.h"
 #include "resources.h"
-#include "text_rows.h"
+#include "start_values.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char START_VALUES[] = "/start_values.csv"; /* among the resources */
+static const char OWN_START_VALUES[] = "/" START_VALUES; /* among the resources */
 
 struct fmu_object {
     kernel *machine;
@@ -39,7 +39,7 @@ static bool keep_folder(fmu_object *self, const char *folder) {
     const size_t of_table = MODEL.table_file ? strlen(MODEL.table_file->resource) + 1 : 0;
     const size_t of_records = MODEL.record_file ? strlen(MODEL.record_file->resource) + 1 : 0;
     self->folder_length = strlen(folder);
-    self->resources = (char *)malloc(self->folder_length + of_table + of_records + sizeof START_VALUES);
+    self->resources = (char *)malloc(self->folder_length + of_table + of_records + sizeof OWN_START_VALUES);
     if (self->resources) strcpy(self->resources, folder);
     return self->resources != NULL;
 }
@@ -74,57 +74,22 @@ static FILE *own_file(fmu_object *self, const char *name, kernel_status *status)
     return file;
 }
 
-static kernel_status refuse_start(fmu_object *self, const text_rows *row, const char *problem) {
-    return kernel_fail(self->machine, KERNEL_ERROR, "resources%s, row %d: %s.", START_VALUES, row->number, problem);
-}
-
-/* The cells NAME and VALUE of a row, and how many cells are filled; 3: more than these, or quotes do not close. */
-static int cells_of_start(char *text, const char *pair[2]) {
-    const char separator = text_separator(text);
-    char *cell;
-    int filled = 0;
-    cell_reading found;
-    for (int at = 0; (found = text_next_cell(&text, separator, &cell)) == CELL_READ; ++at) {
-        filled += *cell != '\0';
-        if (*cell && at > 1) return 3;
-        if (at < 2) pair[at] = cell;
+static start_taken take_start(fmu_object *self, const char *name, double number) {
+    for (int i = 0; i < MODEL.variables; ++i) {
+        if (strcmp(name, MODEL.variable[i].name) != 0) continue;
+        const kernel_status status = kernel_set(self->machine, i, number);
+        if (MODEL.variable[i].causality == CAUSALITY_PARAMETER) kernel_keep_own(self->machine, i);
+        return status <= KERNEL_WARNING ? START_TAKEN : START_REFUSED;
     }
-    return found == CELL_REFUSED ? 3 : filled;
+    return START_UNKNOWN;
 }
 
-/* A row NAME,VALUE of numbers, as a value that is set. */
-static kernel_status set_own_start(fmu_object *self, text_rows *row) {
-    char problem[MESSAGE_SIZE / 2], mark;
-    const char *pair[2] = {"", ""};
-    const int filled = cells_of_start(row->text, pair);
-    double number;
-    if (filled == 0) return KERNEL_OK;
-    for (int i = 0; filled == 2 && i < MODEL.variables; ++i)
-        if (strcmp(pair[0], MODEL.variable[i].name) == 0 && table_read_number(pair[1], &number, &mark)) {
-            const kernel_status status = kernel_set(self->machine, i, number);
-            if (MODEL.variable[i].causality == CAUSALITY_PARAMETER) kernel_keep_own(self->machine, i);
-            return status;
-        }
-    snprintf(problem, sizeof problem,
-             "a row must have the name of a variable of %.40s and its number; got '%.60s'. Write NAME,VALUE", MODEL.name,
-             pair[0]);
-    return refuse_start(self, row, problem);
-}
-
-/* Read start values by the rules of all tables. */
 static kernel_status own_start_values(fmu_object *self) {
+    char problem[MESSAGE_SIZE];
     kernel_status status = KERNEL_OK;
-    FILE *file = own_file(self, START_VALUES, &status);
-    if (!file) return status;
-    text_rows *rows = (text_rows *)malloc(sizeof *rows);
-    if (!rows) status = kernel_fail(self->machine, KERNEL_ERROR, "There is not enough memory for start values.");
-    reading found = NO_MORE_ROWS;
-    if (rows) text_rows_begin(rows, file);
-    while (rows && status <= KERNEL_WARNING && (found = text_rows_next(rows)) == ROW_READ) status = set_own_start(self, rows);
-    if (found == ROW_REFUSED) status = refuse_start(self, rows, rows->problem);
-    fclose(file);
-    free(rows);
-    return status;
+    FILE *file = own_file(self, OWN_START_VALUES, &status);
+    if (!file || start_values_read(file, MODEL.name, self, take_start, problem)) return status;
+    return *problem ? kernel_fail(self->machine, KERNEL_ERROR, "%s", problem) : KERNEL_ERROR;
 }
 
 /* Return the name of the FMU's own file for a variable that names a file; NULL for another variable. */

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
-from fmu_src.arrays_fmu import ArraysFmu, ArraysInC
+from fmu_src.arrays_fmu import ArraysFmu, ArraysInC, with_starts
 from fmu_src.c_literals import c_number
 from products.braking_curves.gradients_of_line import gradients_of
+from products.braking_curves.train_data import data_in, fmu_parameters
 from products.braking_curves.variables import AT_ANY_DISTANCE, FARTHEST, STANDSTILL, UNUSED, every
 from products.supervision.gradients import STEEPEST, Gradients
 from products.supervision.steps import FASTEST_BOUNDARY
@@ -69,9 +71,17 @@ def curves_fmu(gradients: Gradients | None = None) -> ArraysFmu:
     return ArraysFmu(curves_in_c(), [len(values) for values in starts], starts, STEP, STOP, data)
 
 
-def curves_on_line_fmu(line: Path | None = None) -> ArraysFmu:
-    """Return the FMU of the curves, with the gradients of the line in a file. Raises ValueError, OSError."""
-    return curves_fmu(gradients_of(line_from_file(line)) if line else None)
+def curves_of_files_fmu(line: Path | None = None, train: Path | None = None, national: Path | None = None) -> ArraysFmu:
+    """Return the FMU of the curves: gradients of a line, train data and national values in files, if given.
+
+    Raises ValueError, OSError.
+    """
+    fmu = curves_fmu(gradients_of(line_from_file(line)) if line else None)
+    if train is None:
+        if national is not None:
+            raise BadInputError("--national must be with --train; got it alone. Give the train data too.")
+        return fmu
+    return replace(with_starts(fmu, fmu_parameters(*data_in(train, national), version=3)), title=train.stem)
 
 
 def _check(gradients: Gradients) -> None:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from products.braking_curves.variables import UNUSED
+from products.etcs_files.national import read_national
+from products.etcs_files.train_file import etcs_train_in
 from products.supervision import BASELINES, FixedValues, NationalValues, Steps, SupervisedTrain
 from products.supervision.conversion import MOVING_TARGET
 from products.supervision.curves import checked_values
@@ -35,6 +39,18 @@ def fmu_parameters(
     for name, of_speed in (steps | {"Kdry_rst": dry, "Kwet_rst": wet}).items():
         found |= _filled(name, of_speed)
     return found if version == 3 else _elements(found)
+
+
+def data_in(train: Path, national: Path | None) -> tuple[SupervisedTrain, NationalValues]:
+    """Return train data at the confidence level of national values, both from files. Raises ValueError, OSError."""
+    country = NationalValues() if national is None else read_national(national)
+    data = etcs_train_in(train)
+    if data is None:
+        raise BadInputError(
+            "--train must be train data of bogie-braking etcs, or an OSRD rolling stock with etcs_brake_params; got "
+            f"{train}. Write: etcs CONSIST --target 2000, which makes results/etcs-CONSIST.json."
+        )
+    return data.at_level(country.M_NVEBCL), country
 
 
 def _numbers(train: SupervisedTrain, national: NationalValues) -> dict[str, float | list[float]]:

@@ -19,6 +19,7 @@ from products.braking_curves.fmu import curves_in_c
 from products.protection.sensor_fmu import sensor_in_c
 from products.train.consist import block_train
 from products.train.coupler_fmu import coupler_in_c
+from products.train.driver_fmu import driver_in_c
 from products.train.fmu import train_in_c
 from products.train.numbers import Settings, numbers_of
 from rbd_model.levels.models import bogie_dynamics, places_of
@@ -209,6 +210,11 @@ OBJECTS = {
         "V_est=-1:60 A_est=-1:1 distance_to_target=-50:1500 distance=0:1000 V_MRSP=0:60 V_release=0:5 "
         "beyond=0:100 length=20:700 T_brake_emergency=0:5 T_traction_cut_off=0:5 service_command=0:1 baseline=3:4",
         reads_files=True,
+    ),
+    "driver": Behind(
+        lambda _: all_sources(driver_in_c()),
+        _nothing,
+        "speed=-1:40 distance=0:2500 V_P=0:40 distance_P=0:1500 service_brake=0:1 emergency_brake=0:1 target=1000:2000",
     ),
     "controller": Behind(_controller, _nothing, "wheel_speed_1=-4:20 wheel_speed_2=-4:20 period=1e-3:1e-2", ends=True),
 }

@@ -25,10 +25,10 @@ def shown(command: Sequence[str | Path], folder: Path, given: Mapping[str, float
     return {name: float(value) for name, value in (line.split() for line in done.stdout.splitlines())}
 
 
-def found_here(fmu: Path, given: Mapping[str, float], names: Sequence[str]) -> dict[str, float]:
+def found_here(fmu: Path, given: Mapping[str, float], names: Sequence[str], steps: int = STEPS) -> dict[str, float]:
     """Return the same outputs by FMPy, on this platform."""
     with FmuInstance(fmu) as instance:
         instance.start(**given)
-        for n in range(STEPS):
+        for n in range(steps):
             instance.step(n * STEP, STEP)
         return {name: instance[name] for name in names}

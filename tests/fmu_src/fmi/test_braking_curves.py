@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
 import build_fmu
@@ -17,6 +18,7 @@ from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.braking_curves.fmu import curves_fmu
 from products.braking_curves.train_data import fmu_parameters
 from products.building import write_in_c
+from products.etcs_files.train_file import write_train
 from products.supervision import FixedValues, Gradients, NationalValues, Steps, SupervisedTrain, supervise
 from readers.text import BadInputError
 from tests.products.supervision.random_trains import one_of, trains
@@ -329,3 +331,26 @@ def test_the_command_line_builds_it_on_a_line(tmp_path: Path) -> None:
         curves.set(gradient=0.01)
         with pytest.raises(CosimulationError, match="gradient must be 0 in an FMU with a line"):
             curves.step(0.0, 0.1)
+
+
+@pytest.mark.parametrize("kind", ["native", "fmi3"])
+def test_train_data_in_a_file_are_the_start_values(kind: str, tmp_path: Path) -> None:
+    """They are those that fmu_parameters gives a host; of the confidence level of a country, and after a reset too."""
+    levels = tuple(Steps.constant(0.7 + 0.02 * level) for level in range(10))
+    write_train(tmp_path / "etcs-x.json", replace(PLAIN, rotating=8.0), levels)
+    (tmp_path / "country.toml").write_text("M_NVEBCL = 3\nM_NVAVADH = 0.25\n")
+    command = ["curves", "--train", str(tmp_path / "etcs-x.json"), "--national", str(tmp_path / "country.toml")]
+    assert build_fmu.main([*command, "--kind", kind, "--out", str(tmp_path)]) == 0
+    national = NationalValues(M_NVEBCL=3, M_NVAVADH=0.25)
+    version = {"native": 2, "fmi3": 3}[kind]
+    given = fmu_parameters(replace(PLAIN, rotating=8.0, Kdry_rst=levels[3], level=3), national, version=version)
+    with FmuInstance(tmp_path / kind / "BrakingCurves.fmu") as curves:
+        for _ in range(2):
+            curves.start(V_est=30.0, distance_to_target=1500.0)
+            found = curves.get(OUTPUTS)
+            curves.restart(given, V_est=30.0, distance_to_target=1500.0)
+            assert found == curves.get(OUTPUTS)
+            curves.fmu.reset()
+    about = read_model_description(str(tmp_path / kind / "BrakingCurves.fmu"))
+    assert about.modelName == "etcs-x"
+    assert {v.name: v.start for v in about.modelVariables}["M_NVAVADH"] == "0.25"

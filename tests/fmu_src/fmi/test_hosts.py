@@ -14,8 +14,9 @@ from pathlib import Path
 import pytest
 
 from fmu_src import compile as compiling
-from fmu_src.native_fmu import HOST_FILES
+from fmu_src.host_programs import HOST_FILES
 from products.building import write_in_c
+from products.registry import IN_C, content_in_c
 from products.train.consist import block_train
 from products.train.fmu import train_fmu
 from tests.fmu_src.fmi.programs import MONO, call, found_here, shown
@@ -84,17 +85,65 @@ def test_the_csharp_of_the_page_runs(fmus: Mapping, tmp_path: Path) -> None:
     assert "Wheelset 2 locked at 0.2716" in done.stderr
 
 
-def test_csharp_runs_a_train(tmp_path: Path) -> None:
-    """The consist is in the resources of the FMU, whose variables are elements of arrays."""
-    fmu, start = tmp_path / "train.fmu", {"start_speed": 20.0, "driver_position": 3, "friction[2]": 0.1}
-    write_in_c(train_fmu(block_train(3)), fmu, 2)
-    with zipfile.ZipFile(fmu) as archive:
-        archive.extractall(tmp_path)
-    compiler, mono = (needed(name, packages=package) for name, package in MONO.items())
-    subprocess.run([compiler, "-warnaserror", "documentation/host.cs", "-out:host.exe"], cwd=tmp_path, check=True)
-    found = shown([mono, "host.exe", "."], tmp_path, start)
-    assert found == found_here(fmu, start, list(found))
-    assert 19.0 < found["speed[3]"] < 20.0
+#: Start of a train of three vehicles: full service with a slippery rail below the second one; duration of the run [s].
+BRAKED = {"start_speed": 20.0, "driver_position": 3, "driver_step": 1.0, "friction[2]": 0.01}
+LONG = 8.0
+
+
+def train_folder(folder: Path, version: int) -> tuple[Path, Path]:
+    """Write and unpack a train of three vehicles; return its documentation and its library."""
+    write_in_c(train_fmu(block_train(2)), folder / "train.fmu", version)
+    with zipfile.ZipFile(folder / "train.fmu") as archive:
+        archive.extractall(folder)
+    [library] = (folder / "binaries").rglob("TrainDynamics.*")
+    return folder / "documentation", library
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_programs_of_a_train_brake_it(tmp_path: Path, version: int) -> None:
+    """C, C++ and C# give FMPy's speeds and forces of all vehicles and couplings, of a consist in the resources."""
+    documentation, library = train_folder(tmp_path, version)
+    strict = ["-Wall", "-Wextra", "-Werror", "-I../sources"]
+    compiling.run([*strict, "host.c", "-ldl", "-o", "in_c"], None, documentation)
+    commands: list[list[str | Path]] = [[documentation / "in_c", library]]
+    if version == 2:
+        cpp = shutil.which("c++") or needed("g++", packages="g++")
+        subprocess.run([cpp, "-std=c++17", *strict, "host.cpp", "-ldl", "-o", "in_cpp"], cwd=documentation, check=True)
+        compiler, mono = (needed(name, packages=package) for name, package in MONO.items())
+        subprocess.run([compiler, "-warnaserror", "host.cs"], cwd=documentation, check=True)
+        commands += [[documentation / "in_cpp", library], [mono, "host.exe", ".."]]
+    names = [*shown(commands[0], documentation, {})]
+    write_in_c(train_fmu(block_train(2)), tmp_path / "same.fmu", 2)
+    expected = found_here(tmp_path / "same.fmu", BRAKED, names, round(100 * LONG))
+    assert {"coupler_force[2]", "pipe_pressure[1]", "air_used"} <= expected.keys()
+    assert (expected["speed[3]"] < 19.0, expected["locked[2]"], expected["locked[3]"]) == (True, 1.0, 0.0)
+    for command in commands:
+        assert shown(command, documentation, BRAKED | {"seconds": LONG}) == expected
+        for wrong in ("friction[4]=0.1", "friction[0]=1", "friction[x=1", "driver_step=2"):
+            assert call(command, documentation, wrong).returncode == 1
+
+
+@pytest.mark.parametrize("name", IN_C)
+def test_an_archive_around_an_object_in_c_has_what_that_of_a_bogie_has(
+    name: str, fmus: Mapping, tmp_path: Path
+) -> None:
+    """Its page lists every array; each program is there for FMI 2.0, and compiles."""
+    for kind, version in (("native", 2), ("fmi3", 3)):
+        path = tmp_path / f"{version}.fmu"
+        write_in_c(content_in_c(name, {}), path, version)
+        with zipfile.ZipFile(path) as archive, zipfile.ZipFile(fmus["brake", kind]) as other:
+            wanted = {
+                one
+                for one in other.namelist()
+                if re.match("documentation/host|documentation/index|terminals|model.p", one)
+            }
+            assert wanted <= {*archive.namelist()}
+            page = archive.read("documentation/index.html").decode()
+            archive.extractall(tmp_path / str(version))
+        for array in content_in_c(name, {}).given.arrays:
+            assert f"<code>{array.name}</code>" in page
+        strict = ["-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-I../sources", "host.c"]
+        compiling.run(strict, None, tmp_path / str(version) / "documentation")
 
 
 def test_python(documentation: Path, expected: dict[str, float], fmus: Mapping) -> None:

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -22,10 +23,12 @@ from fmpy.validation import validate_fmu
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from fmu_src.ssp import Component, write_ssp
 from fmu_src.start_values import FILE, with_start_values
-from products.building import fmu_path
+from products.building import fmu_path, write_in_c
 from products.machine import FULL_PRESSURE, FULL_TORQUE, coach
 from products.registry import DIFFERENT
 from products.systems import SLIDING_FRICTION, build_system
+from products.train.coupler_fmu import coupler_fmu
+from products.train.coupler_tables import coupler_named
 from rbd_model.vehicle.parameters import manchester_vehicle_1
 from tests.fmu_src.fmi.hosting import host
 from tests.fmu_src.fmi.masters import MASTERS, parameters_of
@@ -163,6 +166,20 @@ def test_start_values_that_are_none_leave_no_instance(fmus: dict, tmp_path: Path
         archive.writestr(f"resources/{FILE}", f"{row}\n")
     with pytest.raises(CosimulationError, match=r"start_values\.csv, row 1: |pressure_demand must be at least 0 Pa"):
         FmuInstance(path)
+
+
+@pytest.mark.parametrize("row", ["way[2],0.1", "way[0],0.1", "way[1,0.1", "force,1", "way,11", "coupling_closed"])
+def test_start_values_of_arrays_are_checked_as_those_of_a_host(tmp_path: Path, row: str) -> None:
+    fmu = coupler_fmu(coupler_named("screw"))
+    for rows, works in (("way[1],0.01\ncoupling_closed,0\n", True), (row, False)):
+        path = tmp_path / "Coupler.fmu"
+        write_in_c(replace(fmu, data={**fmu.data, FILE: rows.encode()}), path)
+        if works:
+            with FmuInstance(path) as coupler:
+                assert coupler.get(["way", "coupling_closed"]) == [0.01, 0.0]
+            continue
+        with pytest.raises(CosimulationError, match=r"start_values\.csv, row 1: |way must be from -10 to 10 m; got 11"):
+            FmuInstance(path)
 
 
 def test_wheels_lock_on_that_rail_without_protection(fmus: dict) -> None:
