@@ -8,6 +8,7 @@ The driver's law, once a `period`, with v the speed and V_P the permitted speed 
   train needs the share s / (d - short - v t) of full service. The driver brakes with it, from `brakes_at` on.
   At a constant deceleration A of full service s = v^2 / 2 A, and braking with the share b crosses no P if
   short >= 8 A b / (1 - b), where both curves touch: (1 / b - 1) v^2 / 2 A - 4 v + short >= 0.
+* Pull only while P is 2 v (t + 4) ahead at least.
 * Stay: within `short` + v t, or at rest within five times `short`, a train is braked and pulls no more.
 
 `below`, `short`, `brakes_at`, the gains and the period are assumed.
@@ -32,6 +33,8 @@ NAME = "Driver"
 BELOW, SHORT = 1.0, 10.0
 #: Share of full service from which a driver brakes to a stop [1]; speed of a train at rest [m/s]. Assumed.
 BRAKES_AT, STANDS = 0.4, 0.1
+#: Motors pull while P is this multiple of the times of brake and driver ahead. Assumed.
+AHEAD = 2.0
 #: Time between two actions [s]; distance of a new target, as a multiple of SHORT. Assumed.
 PERIOD, MOVED = 0.5, 5.0
 #: Inputs from train and curves: name, unit, meaning, limits; commands are integers.
@@ -90,6 +93,7 @@ def driver_in_c() -> ArraysInC:
         "HOLDS": HOLDS,
         "BACK": BACK,
         "MOVED": MOVED,
+        "AHEAD": AHEAD,
         "STANDS": STANDS,
         "T_DRIVER": FixedValues().T_driver,
     }

@@ -46,11 +46,11 @@ static void find_places(arrays_object *self) {
     value[DISTANCE_TO_TARGET] = value[TARGET] - value[PLACE];
 }
 
-/* Demand that holds a speed: above 0 of the brake, below 0 of the motors. */
-static double holding(arrays_object *self, double speed) {
+/* Demand that holds a speed: above 0 of the brake, below 0 of the motors. `alone`: whether nothing else brakes or coasts. */
+static double holding(arrays_object *self, double speed, bool alone) {
     const double *value = self->values, fast = speed - (value[V_P] - value[BELOW]), least = -value[LARGEST_TRACTION] / PULLS;
     const double demand = self->added + value[GAIN] * fast;
-    if ((least < demand && demand < 1.0) || demand * fast < 0.0) /* no wind-up beyond brake and motors */
+    if (alone && ((least < demand && demand < 1.0) || demand * fast < 0.0)) /* no wind-up beyond brake and motors */
         self->added += value[GAIN] / value[MEMORY] * fast * value[PERIOD];
     return demand;
 }
@@ -69,14 +69,20 @@ static bool is_there(const arrays_object *self, double speed) {
     return to < near + speed * self->values[BRAKE_TIME] || (to < MOVED * near && (speed < STANDS || self->arrived != 0.0));
 }
 
+/* Whether motors may pull: the permitted speed is that of the train only further on. */
+static bool may_pull(const double *value, double speed) {
+    return value[DISTANCE_TO_TARGET] - value[DISTANCE_P] >= AHEAD * speed * (value[BRAKE_TIME] + T_DRIVER);
+}
+
 static void act(arrays_object *self) {
     double *value = self->values;
-    const double speed = fmax(value[SPEED], 0.0), held = holding(self, speed), stop = needed(value, speed);
+    const double speed = fmax(value[SPEED], 0.0), stop = needed(value, speed);
     self->braking = stop >= (self->braking != 0.0 ? value[BRAKES_AT] / 2.0 : value[BRAKES_AT]);
     self->arrived = is_there(self, speed);
-    const bool stays = self->arrived != 0.0 || value[SPEED] < BACK;
+    const bool alone = may_pull(value, speed) && self->braking == 0.0, stays = self->arrived != 0.0 || value[SPEED] < BACK;
+    const double held = holding(self, speed, alone);
     const double air = fmax(fmax(share(held), self->braking != 0.0 ? stop : 0.0), stays ? HOLDS : 0.0);
-    value[TRACTION] = air > 0.0 ? 0.0 : fmin(-PULLS * held, value[LARGEST_TRACTION]);
+    value[TRACTION] = air > 0.0 || !alone ? 0.0 : fmin(-PULLS * held, value[LARGEST_TRACTION]);
     value[DRIVER_POSITION] = air < LEAST / 2.0 ? RUNNING : SERVICE;
     value[DRIVER_STEP] = share((air - LEAST) / (1.0 - LEAST));
 }
