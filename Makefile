@@ -39,7 +39,7 @@ test-all: $(VENV)/test-installed
 test-long: $(VENV)/test-installed
 	$(RUN) -m pytest -n 2 -m long
 
-# Rooms with C of ours; hosts/host.c is a template.
+# Rooms with C of ours; hosts/*.c are templates.
 C_ROOMS := fmu_src rbd_model brake_controller products evidence tests
 check: $(VENV)/test-installed
 	$(RUN) -m ruff check .

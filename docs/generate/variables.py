@@ -14,6 +14,7 @@ from fmu_src.system import Model
 from products.braking_curves.fmu import curves_in_c
 from products.registry import ALIKE, FMUS, model_of
 from products.train.coupler_fmu import coupler_in_c
+from products.train.driver_fmu import driver_in_c
 from products.train.fmu import train_in_c
 from products.train.layout import layout
 
@@ -96,5 +97,6 @@ def numbers_of_a_train() -> str:
 def generated() -> str:
     """Return the tables of the page."""
     alike = [*map(ALIKE.get, FMUS), None]
-    trains = [arrays(curves_in_c()), arrays(train_in_c()), arrays(coupler_in_c()), numbers_of_a_train()]
+    in_c = [curves_in_c(), driver_in_c(), train_in_c(), coupler_in_c()]
+    trains = [*map(arrays, in_c), numbers_of_a_train()]
     return "\n".join([choices(), *map(section, models(), alike), *trains])

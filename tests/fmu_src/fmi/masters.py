@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
+import re
 import subprocess
 import sys
 import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import pytest
 from fmpy import read_model_description
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import ParameterSet, read_ssd, read_ssv
+
+from fmu_src import compile as compiling
 
 ECOS = """
 import ctypes, json, os, sys
@@ -82,6 +87,24 @@ def by_libcosim(system: Path, step: float, count: int, outputs: Sequence[Output]
     return answer(LIBCOSIM, str(folder), repr(step), str(count), *names)
 
 
+def by_program_in_c(system: Path, step: float, count: int, outputs: Sequence[Output]) -> list[float]:
+    """Return the values of by_ecos, by the program in the archive: unpacked and compiled as its first lines say."""
+    folder = contents(system)
+    program = (folder / "documentation" / "host.c").read_text(encoding="utf-8")
+    fmus = re.findall(r"^ \*   python -m zipfile -e (\S+) (\S+)$", program, re.MULTILINE)
+    for fmu, name in fmus:
+        with zipfile.ZipFile(folder / fmu) as archive:
+            archive.extractall(folder / name)
+    headers = f"-I{fmus[0][1]}/sources"
+    assert f"cc {headers} documentation/host.c -ldl -o host && ./host . SECONDS" in program
+    compiling.run(["-Wall", "-Wextra", "-Werror", headers, "documentation/host.c", "-ldl", "-o", "host"], None, folder)
+    assert subprocess.run([folder / "host", folder], capture_output=True).returncode == 1
+    called = [folder / "host", folder, repr(step * count)]
+    done = subprocess.run(called, capture_output=True, text=True, check=True, timeout=120)
+    found = dict(line.split() for line in done.stdout.splitlines())
+    return [float(found[f"{component}.{name}"]) for component, name in outputs]
+
+
 def answer(program: str, *arguments: str) -> list[float]:
     """Run a program in a separate process; return its answer."""
     done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, timeout=120)
@@ -90,5 +113,18 @@ def answer(program: str, *arguments: str) -> list[float]:
     return json.loads(lines[0].removeprefix("ANSWER"))
 
 
-#: Masters by package. All except FMPy are in the extra `masters`.
-MASTERS: dict[str, Callable] = {"fmpy": by_fmpy, "ecospy": by_ecos, "libcosimpy": by_libcosim}
+#: Masters by package, and the program in C. Packages except FMPy are in the extra `masters`.
+IN_C = "C"
+MASTERS: dict[str, Callable] = {
+    "fmpy": by_fmpy,
+    "ecospy": by_ecos,
+    "libcosimpy": by_libcosim,
+    IN_C: by_program_in_c,
+}
+
+
+def master(name: str) -> Callable:
+    """Return a master; skip the test if its package is missing."""
+    if name != IN_C and importlib.util.find_spec(name) is None:
+        pytest.skip("install the extra: pip install -e .[masters]")
+    return MASTERS[name]

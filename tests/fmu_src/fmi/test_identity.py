@@ -24,8 +24,7 @@ from products.train.numbers import Settings
 from rbd_model.contact.geometry import european_pair
 from rbd_model.contact.pair_file import write_pair
 from tests.fmu_src.fmi.hosting import ERROR, host
-from tests.fmu_src.fmi.masters import MASTERS
-from tests.fmu_src.fmi.test_masters import master
+from tests.fmu_src.fmi.masters import MASTERS, master
 from tests.fmu_src.fmi.test_resource_folders import Opened, extracted, named, refused
 
 FACES = {"native": 2, "fmi3": 3}

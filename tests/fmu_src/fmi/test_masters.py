@@ -31,7 +31,7 @@ from products.train.coupler_fmu import coupler_fmu
 from products.train.coupler_tables import coupler_named
 from rbd_model.vehicle.parameters import manchester_vehicle_1
 from tests.fmu_src.fmi.hosting import host
-from tests.fmu_src.fmi.masters import MASTERS, parameters_of
+from tests.fmu_src.fmi.masters import MASTERS, master, parameters_of
 
 #: Tolerance of the end speed by docs/checking.md [m/s].
 SPEED_BAND = 1e-6
@@ -56,12 +56,6 @@ def systems(fmus: dict, tmp_path_factory: pytest.TempPathFactory) -> Callable[[s
 def in_fmpy(system: Path, step: float, count: int, outputs: tuple[tuple[str, str], ...]) -> list[float]:
     """Return FMPy's values, with which the other masters are compared."""
     return list(MASTERS["fmpy"](system, step, count, outputs))
-
-
-def master(name: str) -> Callable:
-    if importlib.util.find_spec(name) is None:
-        pytest.skip("install the extra: pip install -e .[masters]")
-    return in_fmpy if name == "fmpy" else MASTERS[name]
 
 
 @pytest.mark.study

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import subprocess
-import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,14 +11,13 @@ from fmpy.ssp.simulation import simulate_ssp
 
 import build_fmu
 from bogie_braking.supervised import supervised_train
-from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import FmuInstance
 from products.building import write_in_c
 from products.etcs_files.train_file import write_train
 from products.supervised_train import STEP
 from products.train.driver_fmu import BELOW, BRAKES_AT, MOVED, PERIOD, SHORT, driver_fmu
 from products.train.imported_consist import consist_from
-from tests.fmu_src.fmi.masters import MASTERS, contents
+from tests.fmu_src.fmi.masters import MASTERS, contents, master
 
 #: Target [m], permitted speed [m/s], time in which the train has stopped [s].
 TARGET, SPEED, LONG = 1500.0, 80.0 / 3.6, 160.0
@@ -98,33 +94,9 @@ def test_brakes_follow_the_share_that_stops_the_train(run: np.ndarray) -> None:
     assert mean == pytest.approx(speed[begins] ** 2 / (2.0 * (left[begins] - SHORT)), rel=1.0 / 3.0)
 
 
-def in_c(system: Path, folder: Path) -> dict[str, float]:
-    """Return the outputs of the program of the archive, compiled as its first lines specify."""
-    with zipfile.ZipFile(system) as archive:
-        archive.extractall(folder)
-    for fmu in (folder / "resources").glob("*.fmu"):
-        name = {"TrainDynamics": "train", "BrakingCurves": "curves", "Driver": "driver"}[fmu.stem]
-        assert f"python -m zipfile -e resources/{fmu.name} {name}" in (folder / "documentation/host.c").read_text()
-        with zipfile.ZipFile(fmu) as archive:
-            archive.extractall(folder / name)
-    strict = ["-Wall", "-Wextra", "-Werror", "-Itrain/sources", "documentation/host.c", "-ldl", "-o", "host"]
-    compiling.run(strict, None, folder)
-    done = subprocess.run([folder / "host", folder, repr(LONG)], capture_output=True, text=True, check=True)
-    return {name: float(value) for name, value in (line.split() for line in done.stdout.splitlines())}
-
-
-def test_the_program_in_c_gives_the_same_stop(system: Path, run: np.ndarray, tmp_path: Path) -> None:
-    found = in_c(system, tmp_path)
-    for component, name in OUTPUTS:
-        assert found[f"{component}.{name}"] == pytest.approx(run[f"{component}.{name}"][-1], abs=BAND)
-    assert subprocess.run([tmp_path / "host", tmp_path], capture_output=True).returncode == 1
-
-
-@pytest.mark.parametrize("master", [name for name in MASTERS if name != "fmpy"])
-def test_other_masters_give_the_same_stop(system: Path, run: np.ndarray, master: str) -> None:
-    if importlib.util.find_spec(master) is None:
-        pytest.skip("install the extra: pip install -e .[masters]")
-    found = MASTERS[master](system, STEP, COUNT, OUTPUTS)
+@pytest.mark.parametrize("name", [name for name in MASTERS if name != "fmpy"])
+def test_other_masters_and_the_program_in_c_give_the_same_stop(system: Path, run: np.ndarray, name: str) -> None:
+    found = master(name)(system, STEP, COUNT, OUTPUTS)
     assert found == pytest.approx([run[f"{component}.{name}"][-1] for component, name in OUTPUTS], abs=BAND)
 
 
