@@ -34,7 +34,7 @@ SAME_LENGTH = 1.0
 
 @dataclass(frozen=True)
 class SupervisedRun:
-    """What a system is made of: files, place of the target [m], permitted speed of the line and start speed [m/s].
+    """The parts of a system: files, place of the target [m], permitted speed of the line and start speed [m/s].
 
     speed: None: the largest of the train data, or SPEED.
     """

@@ -171,7 +171,7 @@ static kernel_status object_set(fmu_object *self, unsigned variable, size_t firs
 
 /* ---- runs ---- */
 
-/* Find the array of NAME, one of a single element, or of NAME[N], and its element from 0; false if there is none. */
+/* Find the array of NAME, one of a single element, or of NAME[N], and its element from 0; false if it does not exist. */
 static bool find_element(const fmu_object *self, const char *name, unsigned *variable, size_t *element) {
     const size_t length = strcspn(name, "[");
     unsigned number = 1;

@@ -3,11 +3,11 @@
 The driver's law, once a `period`, with v the speed and V_P the permitted speed at the train's place:
 
 * Hold v0 = V_P - `below`: the demand is that of `HoldingDriver`, k (v - v0) + (k / T) int (v - v0) dt; below 0 motors.
-* Stop: the permitted limit is the curve of full service (SBD) less the way in the build-up time t and in the driver's
-  time of 4 s (SUBSET-026, 3.13.9.3): d_P = s + v (t + 4). To stop `short` before the target after a build-up time, a
-  train needs the share s / (d - short - v t) of full service. The driver brakes with it, from `brakes_at` on.
-  At a constant deceleration A of full service s = v^2 / 2 A, and braking with the share b crosses no P if
-  short >= 8 A b / (1 - b), where both curves touch: (1 / b - 1) v^2 / 2 A - 4 v + short >= 0.
+* Stop: the permitted limit is the curve of full service (SBD) less the distance in the build-up time t and in the
+  driver's time of 4 s (SUBSET-026, 3.13.9.3): d_P = s + v (t + 4). To stop `short` before the target after a build-up
+  time, a train needs the share s / (d - short - v t) of full service. The driver brakes with it, from `brakes_at` on.
+  With a constant deceleration A of full service s is v^2 / 2 A. Braking with the share b then crosses no P if
+  (1 / b - 1) v^2 / 2 A - 4 v + short >= 0 at all speeds. Both curves touch at short = 8 A b / (1 - b).
 * Pull only while P is 2 v (t + 4) ahead at least.
 * Stay: within `short` + v t, or at rest within five times `short`, a train is braked and pulls no more.
 

@@ -35,6 +35,7 @@ MADE = (
     "results/",
     "binaries/",
     "bogie/",
+    "unpacked/",
     "rbd_model/body/orifice_damper.py",
     "rbd_model/contact/creep/carter.py",
     "brake_controller/distributors/direct.py",

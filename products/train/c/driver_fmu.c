@@ -87,7 +87,7 @@ static void act(arrays_object *self) {
     value[DRIVER_STEP] = share((air - LEAST) / (1.0 - LEAST));
 }
 
-/* What the on-board unit commands goes before what the driver does. */
+/* Commands of the on-board unit go before the driver's. */
 static void obey(double *value) {
     const bool emergency = value[EMERGENCY_BRAKE] != 0.0, service = value[SERVICE_BRAKE] != 0.0;
     if (emergency || service || value[TRACTION_CUT_OFF] != 0.0) value[TRACTION] = 0.0;

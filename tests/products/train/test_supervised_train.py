@@ -87,7 +87,7 @@ def test_a_train_runs_below_the_permitted_speed_and_stops_before_the_target(run:
 
 
 def test_brakes_follow_the_share_that_stops_the_train(run: np.ndarray) -> None:
-    """From the first brake application to 5 m/s the mean deceleration is that from there to rest, within a third."""
+    """The mean deceleration to 5 m/s is that which stops the train before the target, within a third."""
     speed, left = run["train.speed[1]"], run["driver.distance_to_target"]
     begins, slow = int(np.argmax(run["driver.driver_position"] == 3)), int(np.flatnonzero(speed > 5.0)[-1])
     mean = (speed[begins] ** 2 - speed[slow] ** 2) / (2.0 * (left[begins] - left[slow]))
