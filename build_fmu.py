@@ -161,7 +161,8 @@ def listed(chosen: argparse.Namespace, defaults: argparse.Namespace) -> int:
         raise BadInputError(f"--{idle[0].replace('_', '-')} must be with an FMU; got none. Name one, or all.")
     for name, fmu in (FMUS | IN_C).items():
         print(f"{name:<16} {fmu.summary}")
-    print(f"{'ssp':<16} bogie and brake, and the system that connects them\n{'all':<16} all of these")
+    print(f"{'ssp':<16} bogie and brake, connected; with --consist a train, its curves and a driver")
+    print(f"{'all':<16} all of these")
     return DONE
 
 
