@@ -168,13 +168,18 @@ def dragging() -> ca.Function:
 
 
 def leaking() -> ca.Function:
-    """Return the function of a cell for mass [kg/(m3.s)] and energy [W/m3] that leave through leaks (ISO 6358-1)."""
+    """Return the function of a cell for mass [kg/(m3.s)] and energy [W/m3] that leave through leaks (ISO 6358-1).
+
+    Air enters a pipe below ambient pressure, at the temperature of the walls.
+    """
     cell, given = ca.SX.sym("cell", 3), ca.SX.sym("given", len(CELL))
-    length, diameter, _, _, _, leak_area, ambient, branch = ca.vertsplit(given)
+    length, diameter, wall, _, _, leak_area, ambient, branch = ca.vertsplit(given)
     air = air_of(cell)
     volume = ca.pi / 4 * diameter**2 * (length + branch)
     leak = mass_flow(leak_area, air.pressure, air.temperature, ambient) / volume
-    return function_of("leaking", [cell, given], ca.vertcat(leak, leak * HEAT_CAPACITY * air.temperature))
+    enters = mass_flow(leak_area, ambient, wall, air.pressure) / volume
+    energy = leak * HEAT_CAPACITY * air.temperature - enters * HEAT_CAPACITY * wall
+    return function_of("leaking", [cell, given], ca.vertcat(leak - enters, energy))
 
 
 def warmed() -> ca.Function:

@@ -15,13 +15,18 @@ from fmu_src.system import ParameterSet, quantity
 from fmu_src.variables import Field
 
 #: Positions, by the value that a host sets.
-POSITIONS = {"shut-off": 0, "running": 1, "overcharge": 2, "service": 3, "emergency": 4}
+POSITIONS = {
+    **{"shut-off": 0, "running": 1, "overcharge": 2, "service": 3, "emergency": 4},
+    **{"hold": 5, "continuous-service": 6},
+}
 _AREA, _PRESSURE, _STEP = "an area of a driver's valve", "a pressure of a driver's valve", "a step of a driver's valve"
 _RATE = "a rate of a driver's valve"
 #: Data of a valve in C, pressures absolute and areas effective: the cell after it; areas; band, supply and its
 #: temperature, ambient pressure. Running pressure and overcharge; falls of the first step and of full service; rates of
 #: service, release, overcharge and emergency. Place from the head, measured backwards below 0. Delay after the first
-#: valve while its own position is 0, below 0 never. The last is 1 if a service keeps the pipe at the running pressure.
+#: valve while its own position is 0, below 0 never. Then 1 if a service keeps the pipe at the running pressure. Of a
+#: vacuum the running pressure is below the ambient one, the supply is the lowest pressure of the exhauster, and the
+#: last area that of the ejector, which a release opens too.
 VALVE = (
     Field("face", "1", 0.0, 0.0, "a driver's valve's place at the pipe", whole=True, counts="cells"),
     *(Field(name, "m2", 0.0, 1.0, _AREA) for name in ("feeding", "exhaust", "emergency")),
@@ -35,6 +40,7 @@ VALVE = (
     Field("place", "m", -1e7, 1e7, "the place of a driver's valve"),
     Field("delay", "s", -1e3, 1e3, "the delay of a driver's valve"),
     Field("wired", "1", 0.0, 1.0, "whether service of a driver's valve is by wire alone", whole=True),
+    Field("ejector", "m2", 0.0, 1.0, _AREA),
 )
 
 
@@ -83,6 +89,7 @@ class DriversValve(ParameterSet):
             "place": place,
             "delay": delay,
             "wired": float(wired),
+            "ejector": 0.0,
         }
 
 

@@ -12,6 +12,7 @@ from brake_controller.distributors.piped import PIPED
 from brake_controller.distributors.registered import check_kinds
 from brake_controller.distributors.twin_pipe import TWIN_PIPE
 from brake_controller.distributors.uic import UIC
+from brake_controller.distributors.vacuum import VACUUM_BRAKE
 
 #: All distributors in the C code of trains; a test may add to them.
 DISTRIBUTORS: dict[str, Distributor] = {
@@ -22,6 +23,7 @@ DISTRIBUTORS: dict[str, Distributor] = {
     TWIN_PIPE.name: TWIN_PIPE,
     EP_DIRECT.name: EP_DIRECT,
     PIPED.name: PIPED,
+    VACUUM_BRAKE.name: VACUUM_BRAKE,
 }
 #: Those whose C a release compiles.
 BUILT_IN = tuple(DISTRIBUTORS.values())

@@ -16,12 +16,15 @@ from numpy.typing import NDArray
 from brake_controller.air import AMBIENT, GAS_CONSTANT, HEAT_CAPACITY, HEAT_CAPACITY_RATIO
 from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLINDER, Distributor, DistributorParameters
 from brake_controller.distributors.registered import POSITIONS, check_kind
+from brake_controller.distributors.vacuum import VacuumBrake
 from fmu_src.symbols import ca
 
 Array = NDArray[np.float64]
 
 #: Gauge pressure of the charged pipe [Pa] (UIC 540), and temperature of its air [K], which is not that of the walls.
 CHARGED, PIPE_TEMPERATURE = 500e3, 270.0
+#: Gauge pressure of the pipe in full service [Pa].
+LOWERED = 340e3
 #: Course of the pipe: times [s], gauge pressures [Pa]. Charged, service, full service, release, emergency, release.
 COURSE = (
     (0.0, 10.0, 12.4, 30.0, 34.0, 80.0, 84.0, 145.0, 145.5, 190.0, 200.0, 260.0),
@@ -71,6 +74,15 @@ class Bench:
         found = np.array(self.function(states, np.broadcast_to(line, count)[None, :], command))
         return dict(zip([*(name for name, _ in self.kind.states), *ANSWERED], found, strict=True))
 
+    def line(self, pressures: Array) -> Array:
+        """Return absolute pressures of the pipe [Pa] for gauge pressures of COURSE.
+
+        A vacuum brake has lost its vacuum where another is in full service.
+        """
+        if not isinstance(self.given, VacuumBrake):
+            return pressures + AMBIENT
+        return AMBIENT - self.given.vacuum * np.clip((pressures - LOWERED) / (CHARGED - LOWERED), 0.0, 1.0)
+
     @cached_property
     def course(self) -> tuple[Array, Array, Array, Array]:
         """Times [s], pressure of the pipe, states [Pa, absolute], and slopes of rates by states [1/s] on COURSE.
@@ -78,7 +90,7 @@ class Bench:
         Linearly implicit Euler steps (Hairer and Wanner (1996), IV.7): stable with any pace.
         """
         times = np.arange(0.0, COURSE[0][-1], STEP)
-        line = np.interp(times, *COURSE) + AMBIENT
+        line = self.line(np.interp(times, *COURSE))
         orders = np.array(ORDERS[1])[np.searchsorted(ORDERS[0], times, side="right") - 1]
         command = np.array([orders if name in ("demanded", "ordered") else 0.0 * orders for name in COMMANDED])
         count = len(self.kind.states)
@@ -98,7 +110,10 @@ class Bench:
     @property
     def over(self) -> Array:
         """Gauge pressure of the cylinder on COURSE [Pa]."""
-        return np.asarray(self.course[2][[name for name, _ in self.kind.states].index(CYLINDER)] - AMBIENT)
+        states = self.course[2]
+        if self.kind.pressing:
+            return np.array(self.kind.pressing_function()(states, list(self.given.values().values())))[0] - AMBIENT
+        return np.asarray(states[[name for name, _ in self.kind.states].index(CYLINDER)] - AMBIENT)
 
 
 def check_distributor(kind: Distributor) -> None:

@@ -101,6 +101,17 @@ class Distributor:
     releases_wholly : bool
         Whether it releases as soon as the pipe rises, and not in part. Drivers do not reduce such a brake in part.
 
+    vacuum : bool
+        Whether its pipe is charged below ambient pressure.
+
+    pressing : callable
+        Function of the states and parameters for the absolute pressure that presses the brake [Pa], if that is not the
+        state `cylinder`: of a vacuum brake that of one side of its pistons over the other.
+
+    drawing : callable
+        Function of the parameters for the largest rate at which the pipe comes to rest with the distributor, times the
+        volume of the pipe [m3/s], if it is not negligible.
+
     Raises
     ------
     ValueError
@@ -119,6 +130,9 @@ class Distributor:
     wired: bool = False
     assisted: bool = False
     releases_wholly: bool = False
+    vacuum: bool = False
+    pressing: Callable[[Mapping[str, ca.SX], Mapping[str, ca.SX]], ca.SX] | None = None
+    drawing: Callable[[Any], float] | None = None
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[a-z][a-z0-9_]*", self.name):
@@ -160,6 +174,10 @@ class Distributor:
             )
         return float(value)
 
+    def drawn(self, parameters: DistributorParameters) -> float:
+        """Return `drawing` of a distributor [m3/s], 0 without it."""
+        return self.drawing(parameters) if self.drawing else 0.0
+
     def fields(self) -> tuple[str, ...]:
         """Return the names of its parameters in their order."""
         return tuple(self.parameters.__dataclass_fields__)
@@ -179,6 +197,14 @@ class Distributor:
         given = _Named(states.whose, "given", [*self.fields(), *COMMANDED], values)
         found = self._answered(getattr(self, brake_model), Moment(states, air_of(symbols[1]), given), states.whose)
         return function_of(f"{self.name}_{brake_model}", symbols, ca.SX(ca.vertcat(*found)))
+
+    def pressing_function(self) -> ca.Function:
+        """Return `pressing` as a function of states and parameters."""
+        assert self.pressing is not None
+        states, given = ca.SX.sym("states", len(self.states)), ca.SX.sym("given", len(self.fields()))
+        named = dict(zip((name for name, _ in self.states), ca.vertsplit(states), strict=True))
+        pressure = self.pressing(named, dict(zip(self.fields(), ca.vertsplit(given), strict=True)))
+        return function_of(f"{self.name}_pressing", [states, given], pressure)
 
     def _answered(self, form: Callable[[Moment], Answer], moment: Moment, whose: str) -> list[ca.SX]:
         """Return the rates in the order of the states, and ANSWERED. Raises ValueError with one message for a fault."""

@@ -10,14 +10,17 @@ from brake_controller.distributors.distributor import COMMANDED, Distributor, Di
 from brake_controller.distributors.ecp import EcpValve
 from brake_controller.distributors.piped import PIPED
 from brake_controller.distributors.uic import OF_UIC, UicDistributor
+from brake_controller.distributors.vacuum import OF_VACUUM, VacuumBrake
 
 #: Parameters that a column of a consist can set, by the column.
 ADJUSTED: dict[str, tuple[type[DistributorParameters], ...]] = {
     "full_pressure": (DistributorParameters,),
     **dict.fromkeys(OF_UIC, (UicDistributor,)),
-    "fill_time": (UicDistributor, EcpValve),
+    **dict.fromkeys(("auxiliary", "cylinder"), (UicDistributor, VacuumBrake)),
+    "fill_time": (UicDistributor, EcpValve, VacuumBrake),
     "release_time": (UicDistributor, FreightCar),
     **dict.fromkeys(OF_AAR, (AarValve,)),
+    **dict.fromkeys(OF_VACUUM, (VacuumBrake,)),
 }
 #: Positions of a distributor.
 POSITIONS = ("P", "G")

@@ -37,6 +37,7 @@ from brake_controller.distributors.ep_direct import FILLING, RELEASE, RELEASED, 
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.registered import POSITIONS
 from brake_controller.distributors.uic import OF_UIC, UicDistributor, filling_time, release_time, with_times
+from brake_controller.distributors.vacuum import VacuumBrake
 from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
 from brake_controller.track_brakes import lowered_magnets
 from brake_controller.vehicle_brake import (
@@ -54,6 +55,7 @@ from brake_controller.vehicle_brake import (
 from products.train.cell_tables import points_in, text_of
 from products.train.consist import PERCENTAGE, TrainVehicle, braked_by, braked_with, forces_of
 from products.train.consist_columns import si
+from products.train.vacuum_trains import brake_of_row, row_of_vacuum
 
 #: Cylinder data that are not stated: those of the wagon [1], [1], [N].
 CYLINDER = {"cylinders": 1.0, "rigging_efficiency": 0.83, "return_force": 1500.0}
@@ -67,6 +69,8 @@ def distributor_of(values: Mapping[str, Any], usual: DistributorParameters) -> D
     """Return a vehicle's distributor with the pressure, times and volumes of a row."""
     if values.get("brake") == "none":
         return Piped(full_pressure=0.0)
+    if isinstance(usual, VacuumBrake):
+        return brake_of_row(values)
     if values.get("brake") == "ep-direct":
         times = values.get("fill_time", FILLING), values.get("release_time", RELEASE)
         return ep_direct.with_times(si(values, "full_pressure", usual.full_pressure), *times)
@@ -103,7 +107,8 @@ def brake_of(values: Mapping[str, Any], train_vehicle: TrainVehicle) -> VehicleB
     usual = replace(train_vehicle.brake, shoes=values.get("shoes", train_vehicle.brake.shoes), **friction)
     law = bool(friction) and friction["friction_law"] != CONSTANT
     if "cylinder_diameter" in values:  # eqs (2.4) to (2.6)
-        stated = CYLINDER | {name: values[name] for name in CYLINDER if name in values}
+        light = {"return_force": 0.0} if isinstance(train_vehicle.distributor, VacuumBrake) else {}
+        stated = CYLINDER | light | {name: values[name] for name in CYLINDER if name in values}
         transmitted = stated["cylinders"] * values["rigging_ratio"]
         return replace(
             usual,
@@ -207,6 +212,8 @@ def row_of_distributor(train_vehicle: TrainVehicle) -> dict[str, Any]:
         return {"brake": "ep-direct", "full_pressure": 1e-5 * own.full_pressure} | times
     kind = kind_of(own)
     named: dict[str, Any] = {} if kind.name == "uic" else {"distributor": kind.name}
+    if isinstance(own, VacuumBrake):
+        return named | row_of_vacuum(own)
     if isinstance(own, FreightCar):
         return named | (_aar_valve(own) if isinstance(own, AarValve) else {}) | _times_of_car(own)
     ready = {position: kind.ready(position) for position in POSITIONS}

@@ -30,6 +30,7 @@ from brake_controller.electric_brake import NO_ELECTRIC_BRAKE, ElectricBrake
 from brake_controller.parking_brake import NO_PARKING_BRAKE, ParkingBrake
 from brake_controller.track_brakes import NO_TRACK_BRAKES, TrackBrakes
 from brake_controller.traction import NO_TRACTION, Traction
+from brake_controller.vacuum_valve import VacuumValve
 from brake_controller.vehicle_brake import FRICTIONS, VehicleBrake, brake_force
 from brake_controller.vehicle_protection import NO_PROTECTION, VehicleProtection
 from products.train.running_resistance import Formula, formula_of
@@ -60,6 +61,7 @@ class TrainVehicle:
     friction_ratio, friction_decay [s/m]: fall of the friction with the sliding speed (Polach (2005)).
     leak: effective area of the leaks of its pipe [m2]; branch: volume of its branches [m3]. adhesion: law by its name.
     controller: of its wheel-slide protection: `none`, `built-in`, or a file.
+    handle: that of its driver's valve, whose notches have names (drivers_valves.toml); empty: positions alone.
     """
 
     kind: str
@@ -77,7 +79,7 @@ class TrainVehicle:
     pipe_diameter: float = 0.03175
     leak: float = 0.0
     branch: float = 0.0
-    valve: DriversValve | None = None
+    valve: DriversValve | VacuumValve | None = None
     valve_delay: float = -1.0
     leads: bool = False
     name: str = ""
@@ -89,6 +91,7 @@ class TrainVehicle:
     adhesion: str = "input"
     protection: VehicleProtection = NO_PROTECTION
     controller: str = "none"
+    handle: str = ""
 
     def motion(self) -> dict[str, float]:
         """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""
@@ -235,6 +238,11 @@ class Consist:
         """The same vehicles without wheel-slide protection, for stops in which wheels roll."""
         none = {"protection": NO_PROTECTION, "controller": "none"}
         return replace(self, vehicles=tuple(replace(one, **none) for one in self.vehicles))  # type: ignore[arg-type]
+
+    @property
+    def charged_pressure(self) -> float:
+        """Gauge pressure of the charged pipe [Pa], below 0 if it holds a vacuum."""
+        return next(vehicle.valve.running for vehicle in self.vehicles if vehicle.valve is not None)
 
     @property
     def percentage(self) -> float:

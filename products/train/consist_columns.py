@@ -20,6 +20,7 @@ from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from fmu_src.suggestion import suggestion
 from products.train.cell_tables import CELL_TABLES
 from products.train.consist import KINDS, LONGEST_VEHICLE
+from products.train.notches import handles
 from rbd_model.train.adhesion import ADHESIONS
 from rbd_model.train.coupler import COUPLERS
 from readers.cell_words import SEVERAL, spellings
@@ -79,6 +80,12 @@ AIR = by_name(
     Quantity("service_rate", "bar/s", 0.01, 5.0),
     Quantity("exhaust", "mm", 1.0, 30.0),
     Quantity("empty_load", "1", 0.3, 0.9),
+)
+#: Columns of a vacuum brake, and of its driver's valve.
+VACUUM = by_name(
+    Quantity("vacuum", "bar", 0.3, 0.9),
+    Quantity("exhauster", "m3/min", 0.05, 100.0),
+    Quantity("ejector", "m3/min", 0.0, 100.0),
 )
 #: Columns of the electric command and of the electric brake.
 ELECTRIC = by_name(
@@ -148,7 +155,7 @@ COUPLING = by_name(
     Quantity("coupler_damping", "1", 0.0, 0.95),
     Quantity("coupler_strength", "kN", 10.0, 10e3),
 )
-NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING | SLIDE
+NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING | SLIDE | VACUUM
 #: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
 WORDS: dict[str, Collection[str]] = {
     "kind": tuple(KINDS),
@@ -164,11 +171,11 @@ WORDS: dict[str, Collection[str]] = {
     "valve": ("head", "second", "none"),
     "parking_compounding": tuple(COMPOUNDING),
     "blending": tuple(BLENDINGS),
+    "direct_admission": ("yes", "no"),
+    "handle": tuple(handles()),
 }
-#: Words of brakes that are not modelled, and what to take instead.
-NOT_MODELLED = {
-    "vacuum": "A vacuum brake is not modelled: take distributor = uic with its force, fill_time and release_time."
-}
+#: Words of another column, and what to write.
+OF_DISTRIBUTOR = {"vacuum": "Write distributor = vacuum."}
 #: Columns of free text, a name, the file of a controller and tables, with their largest numbers of characters.
 TEXTS = {"name": LONGEST_NAME, "protection": 400} | dict.fromkeys(CELL_TABLES, 400)
 #: Columns of brake sheets that have no effect on a train, with the reason: they are left out, and told.
@@ -187,6 +194,7 @@ NAMES = (
     *(name for name in WORDS if name not in ("kind", "brake", "friction")),
     *COUPLING,
     *("protection", *SLIDE),
+    *VACUUM,
 )
 
 
@@ -197,7 +205,7 @@ def choices(name: str) -> tuple[str, ...]:
 
 def remedies(name: str) -> dict[str, str]:
     """Return words that a column may not have, as `plain` returns them, each with its remedy."""
-    return SEVERAL.get(name, {}) | (NOT_MODELLED if name in ("brake", "distributor") else {})
+    return SEVERAL.get(name, {}) | (OF_DISTRIBUTOR if name == "brake" else {})
 
 
 @lru_cache

@@ -16,6 +16,7 @@ from products.train.consist_columns import MOST, columns
 from products.train.consist_row import vehicle_of
 from products.train.coupler_tables import couplers_of
 from products.train.layout import MOST_VALVES
+from products.train.vacuum_trains import with_vacuum
 from rbd_model.train.coupler import Coupler
 from readers.tables import read_table
 from readers.text import quoted
@@ -67,12 +68,14 @@ def consist_of(
     vehicles: list[TrainVehicle] = []
     heads: list[str] = []
     notes: dict[str, None] = {}
+    stated: list[Mapping[str, Any]] = []
     for number, row in enumerate(rows):
         place = places[number] if places else f"row {number + 1}"
         try:
             one, values = vehicle_of(row, own, notes)
             heads += [place] if one.leads else []
             vehicles += [one] * int(values.get("count", 1))
+            stated += [values] * int(values.get("count", 1))
             if len(heads) > 1:
                 raise ValueError(f"one vehicle must have valve = head; {heads[0]} has it already. Take one away.")
             if len(vehicles) > MOST:
@@ -83,7 +86,10 @@ def consist_of(
             raise ValueError(f"{name}, {place}: {error}") from None
     if not vehicles:
         raise ValueError(f"{name} must have vehicles; it has none. Give it a row for each kind of vehicle in turn.")
-    led = _with_head(vehicles, name)
+    try:
+        led = with_vacuum(_with_head(vehicles, name), stated)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
     _check_pipe(led, name)
     _check_couplers(led, own, name)
     valves = sum(one.valve is not None for one in led)

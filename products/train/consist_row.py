@@ -9,7 +9,8 @@ from typing import Any
 
 from brake_controller.air import DISCHARGE
 from brake_controller.distributors import distributors
-from brake_controller.drivers_valve import drivers_valve
+from brake_controller.drivers_valve import DriversValve, drivers_valve
+from brake_controller.vacuum_valve import VacuumValve
 from products.train.brake_columns import brake_of, distributor_of, row_of_brake, row_of_distributor
 from products.train.consist import EMPTY, KINDS, TrainVehicle, braked_with
 from products.train.consist_columns import COUPLING, FORCE, si, values_of
@@ -19,6 +20,7 @@ from products.train.heat_columns import heat_of, row_of_heat
 from products.train.row_statements import FILLED_AS, cut_out, load_of, resolved
 from products.train.slide_columns import NOTHING, protection_of, row_of_protection, vented_of
 from products.train.track_columns import parking_of, row_of_track, track_of
+from products.train.vacuum_trains import row_of_valve
 from rbd_model.train.coupler import COUPLERS, Coupler, with_numbers
 
 Row = dict[str, Any]
@@ -50,6 +52,7 @@ def vehicle_of(
     one = replace(one, traction=traction_of(values), adhesion=values.get("adhesion", "input"))
     controller = values.get("protection", NOTHING)
     one = replace(one, protection=protection_of(values, one.distributor), controller=controller)
+    one = replace(one, handle=values.get("handle", ""))
     return _with_valve(values, one), values
 
 
@@ -151,6 +154,7 @@ def _with_valve(values: Mapping[str, Any], train_vehicle: TrainVehicle) -> Train
         train_vehicle = replace(train_vehicle, valve=drivers_valve(), valve_delay=delay, leads=name == "head")
     if train_vehicle.valve is None:
         return train_vehicle
+    assert isinstance(train_vehicle.valve, DriversValve)
     rate = si(values, "service_rate", train_vehicle.valve.service_rate)
     exhaust = math.pi / 4 * si(values, "exhaust") ** 2 if "exhaust" in values else train_vehicle.valve.exhaust_area
     return replace(train_vehicle, valve=replace(train_vehicle.valve, service_rate=rate, exhaust_area=exhaust))
@@ -164,6 +168,9 @@ def _row_of_valve(train_vehicle: TrainVehicle) -> Row:
         if train_vehicle.valve_delay < 0.0
         else {"valve": "second", "delay": train_vehicle.valve_delay}
     )
+    row |= {"handle": train_vehicle.handle} if train_vehicle.handle else {}
+    if isinstance(train_vehicle.valve, VacuumValve):
+        return row | row_of_valve(train_vehicle.valve)
     usual = drivers_valve()
     if train_vehicle.valve.service_rate != usual.service_rate:
         row["service_rate"] = 1e-5 * train_vehicle.valve.service_rate

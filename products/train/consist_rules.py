@@ -10,6 +10,7 @@ from brake_controller.distributors import DISTRIBUTORS, distributors
 from brake_controller.distributors.aar import OF_AAR
 from brake_controller.distributors.registered import ADJUSTED
 from brake_controller.distributors.uic import UIC
+from brake_controller.distributors.vacuum import OF_VACUUM
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.cell_tables import points_in
 from products.train.consist import EMPTY, EMPTY_UP_TO, PERCENTAGE
@@ -20,7 +21,7 @@ Row = Mapping[str, Any]
 Rule = Callable[[Row], None]
 #: Statements of the force at the rims, in which friction is included; the last are those of kinds without a statement.
 AT_RIMS = ("lambda", "deceleration", "brake_force", "brake_weight", *(f"the lambda of a {kind}" for kind in PERCENTAGE))
-_BY_PIPE = ("distributor", "position", "auxiliary", "cylinder", *OF_AAR)
+_BY_PIPE = ("distributor", "position", "auxiliary", "cylinder", *OF_AAR, *OF_VACUUM)
 _OF_BRAKE = ("full_pressure", "fill_time", "release_time", *FORCE, *HEAT, "fade_table", "friction", "weighing")
 #: Messages: of columns that need others, and of columns that exclude others.
 WITH, WITHOUT = "{name} must come with {others}", "{name} must be left out with {other}"
@@ -245,7 +246,12 @@ RULES: tuple[Rule, ...] = (
         "count must be 1 with a {row[valve]} valve; got {row[count]:.0f}. Give that vehicle a row of its own.",
     ),
     needs(
-        ["service_rate", "exhaust"],
+        ["distributor = vacuum"],
+        [*STATEMENTS, "kind = locomotive", "kind = coach"],
+        f"{{name}} of a wagon must come with {' or '.join(STATEMENTS)}. Add one of them.",
+    ),
+    needs(
+        ["service_rate", "exhaust", "exhauster", "ejector", "handle"],
         ["a valve"],
         "{name} must be of a vehicle with a driver's valve. Set valve to head, or leave it out.",
     ),

@@ -16,7 +16,7 @@ from products.train import layout
 from products.train.consist import Consist, block_train
 from products.train.consist_writer import toml_of_rows
 from products.train.imported_consist import consist_from
-from products.train.layout import START_FRICTION, START_PIPE_PRESSURE, Array
+from products.train.layout import START_FRICTION, Array
 from products.train.library import FOLDER, own_controllers_in_c, sources
 from products.train.numbers import Settings, numbers_of, own_files
 from rbd_model.track.line import Line, read_line
@@ -50,7 +50,6 @@ def _places() -> str:
     return (
         f"enum {{ FIRST_PARAMETER, FIRST_INPUT = {len(PARAMETERS)}, FIRST_OUTPUT = {first}, LOCKED = {locked},"
         f" SLIP = {slip}, FIRST_SUM = {sums}, ARRAYS_MOST = {len(ARRAYS)} }};\n"
-        f"#define START_PIPE_PRESSURE {START_PIPE_PRESSURE!r}\n"
     )
 
 
@@ -92,7 +91,7 @@ def train_fmu(
     lengths += [vehicles] * 2 + [1] * len(layout.SUMS[1:])  # locked and slip; numbers of the run
     starts = [[0.0] * length for length in lengths]
     names = [array.name for array in ARRAYS]
-    starts[names.index("start_pipe_pressure")] = [START_PIPE_PRESSURE]
+    starts[names.index("start_pipe_pressure")] = [consist.charged_pressure]
     starts[names.index("driver_position")] = [1.0, *[0.0] * (valves - 1)]
     starts[names.index("friction")] = [START_FRICTION] * vehicles
     starts[names.index("coupling_closed")] = [1.0] * (vehicles - 1)

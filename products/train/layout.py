@@ -37,8 +37,10 @@ MOST, MOST_VALVES = float(1 << 20), 16
 BRAKE_MODELS = {"whole": 0, "empirical": 1, "delay": 2}
 #: Strength of a coupler that does not break [N].
 UNBREAKABLE = 1e12
-#: Initial friction between wheels and rail, and default gauge pressure of the pipe [Pa].
-START_FRICTION, START_PIPE_PRESSURE = 0.3, 500e3
+#: Initial friction between wheels and rail.
+START_FRICTION = 0.3
+#: Lowest gauge pressure of a pipe that holds a vacuum at the start [Pa].
+LOWEST_VACUUM = -95e3
 #: Largest initial distance [m] and pressures [Pa].
 FARTHEST, HIGHEST = 1e9, 800e3
 
@@ -60,14 +62,22 @@ def _chosen(name: str, text: str, of: str, choices: Sequence[str], called: str =
 INITIAL = (
     Array("speed", "m/s", -FASTEST, FASTEST, "Speed at the start", called="start_speed"),
     Array("distance", "m", -FARTHEST, FARTHEST, "Distance of the train's front at the start", called="start_distance"),
-    Array("pipe", "Pa", 0.0, HIGHEST, "Gauge pressure in the pipe at the start", called="start_pipe_pressure"),
+    Array(
+        "pipe",
+        "Pa",
+        LOWEST_VACUUM,
+        HIGHEST,
+        "Gauge pressure in the pipe at the start; below 0 with vacuum brakes",
+        called="start_pipe_pressure",
+    ),
     Array(
         "cylinder", "Pa", 0.0, HIGHEST, "Gauge pressure in all cylinders at the start", called="start_cylinder_pressure"
     ),
 )
 
 _POSITIONS = (
-    "Driver's valve: 0 shut off, or a second valve follows the head's; 1 running, 2 overcharge, 3 service, 4 emergency"
+    "Driver's valve: 0 shut off, or a second valve follows the head's; 1 running, 2 overcharge, 3 service, "
+    "4 emergency, 5 hold, 6 continuous service"
 )
 _STEP = "Step of service: 0 the first, 1 full service"
 _PULL = "Force of motors at the rim; below zero it drives backwards"
@@ -111,13 +121,14 @@ def _found(name: str, unit: str, text: str, of: str = "one") -> Array:
 
 _STATE = "Wheel-slide protection of each vehicle: 0 applies, 1 holds, 2 releases, 3 failed and applies"
 _WORK = "Heat of each friction brake so far; 0 if the train has no warm brakes, electric brakes or traction"
+_CYLINDER = "Gauge pressure in each vehicle's cylinders; of vacuum brakes, what presses beyond the pistons' weight"
 #: Outputs, and numbers of the run.
 OUTPUTS = (
     _found("distance", "m", "Distance of each vehicle's middle", "vehicles"),
     _found("speed", "m/s", "Speed of each vehicle", "vehicles"),
     _found("wheel_speed", "m/s", "Speed of each vehicle's wheels at the rim", "vehicles"),
     _found("pipe_pressure", "Pa", "Gauge pressure in the pipe at each vehicle's distributor", "vehicles"),
-    _found("cylinder_pressure", "Pa", "Gauge pressure in each vehicle's cylinders", "vehicles"),
+    _found("cylinder_pressure", "Pa", _CYLINDER, "vehicles"),
     _found("brake_force", "N", "What each vehicle's brake can hold at the rim", "vehicles"),
     _found("rail_force", "N", "What the rail gives to each vehicle's wheels, forwards above zero", "vehicles"),
     _found("coupler_force", "N", "Tension in the coupling behind each vehicle, compression below zero", "couplings"),

@@ -82,10 +82,10 @@ def _kinds_in_c() -> list[str]:
     for name, one in DISTRIBUTORS.items():
         starts = ", ".join(f"START_{start.upper()}" for _, start in one.states)
         cylinder = [state for state, _ in one.states].index(CYLINDER)
-        rows.append(
-            f"{{{len(one.states)}, DISTRIBUTOR_{name.upper()}_ROWS, {cylinder}, {int(one.assisted)}, {{{starts}}}}}"
-        )
+        flags = f"{int(one.assisted)}, {int(one.pressing is not None)}"
+        rows.append(f"{{{len(one.states)}, DISTRIBUTOR_{name.upper()}_ROWS, {cylinder}, {flags}, {{{starts}}}}}")
         forms += [f"form({len(forms) + n}, {name}_{brake_model})" for n, brake_model in enumerate(one.brake_models())]
+    pressings = [f"form(KIND_{name.upper()}, {name}_pressing)" for name, one in DISTRIBUTORS.items() if one.pressing]
     return [
         _enum("start", STARTS, "STARTS"),
         _enum("command", COMMANDED, "COMMAND_ROWS"),
@@ -97,9 +97,10 @@ def _kinds_in_c() -> list[str]:
         _enum("driven", DRIVEN, "DRIVEN_ROWS"),
         _enum("answer", ANSWERED, "ANSWER_ROWS"),
         _enum("kind", DISTRIBUTORS, "KINDS"),
-        f"typedef struct {{\n    int states, given, cylinder, assisted, start[{most}];\n}} distributor_kind;",
+        f"typedef struct {{\n    int states, given, cylinder, assisted, presses, start[{most}];\n}} distributor_kind;",
         c_array("distributor_kind", "KIND", rows),
         f"#define DISTRIBUTOR_FORMS(form) {' '.join(forms)}",
+        f"#define DISTRIBUTOR_PRESSINGS(form) {' '.join(pressings)}",
     ]
 
 

@@ -63,6 +63,7 @@ def _cells(kinds: tuple[Distributor, ...]) -> dict[str, str]:
         return dict(json.loads(path.read_text(encoding="utf-8")))
     made = {name: [function() for function in functions_of] for name, functions_of in FUNCTIONS.items()}
     made["pipe"] += [kind.function(form) for kind in kinds for form in dict.fromkeys(kind.brake_models())]
+    made["pipe"] += [kind.pressing_function() for kind in kinds if kind.pressing]
     return {name: "\n".join(_arguments_used(function_of_cells(one)) for one in own) for name, own in made.items()}
 
 

@@ -12,8 +12,9 @@ from brake_controller.distributors import DISTRIBUTORS, keeps_pipe, kind_of
 from brake_controller.vehicle_protection import FIRST_OWN, MOST_OWN
 from products.train.consist import Consist
 from products.train.layout import BRAKE_MODELS, UNBREAKABLE, Rows, laid
-from products.train.pipe import COURANT
+from products.train.pipe import COURANT, pace_of
 from products.train.unused_values import without_effect
+from products.train.vacuum_trains import check_valves
 from rbd_model.track.line import FRICTIONS, Line
 from rbd_model.train.adhesion import ADHESIONS
 from rbd_model.train.coupler import fastest
@@ -115,6 +116,7 @@ def own_files(consist: Consist) -> list[str]:
 
 def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArray[np.float64]:
     """Return all numbers of a train. Raises ValueError if pipes have several diameters, or a value no effect."""
+    check_valves(consist)
     unused = without_effect(consist, settings.brake_model, settings.cells)
     if unused:
         raise ValueError(unused)
@@ -123,7 +125,7 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
     kinds, known = [kind_of(one.distributor) for one in vehicles], list(DISTRIBUTORS.values())
     ends = np.concatenate([[0.0], -np.cumsum([one.length for one in vehicles])])
     bound = 2.0 / max(fastest([one.coupler for one in vehicles[:-1]], [one.mass for one in vehicles]), 1e-6)
-    pace = max(kind_of(one).fastest(one, settings.brake_model) for one in {one.distributor for one in vehicles})
+    pace = pace_of([one.distributor for one in vehicles], places, volumes_of(consist, settings), settings.brake_model)
     valves = [
         vehicle.valve.numbers(
             _face(i, places, faces, len(lengths)), float(ends[i]), vehicle.valve_delay, keeps_pipe(kinds)

@@ -29,6 +29,19 @@ class EndConditions:
     temperature: float = 293.15
 
 
+def pace_of(
+    distributors: Sequence[DistributorParameters], cells: Sequence[int], volume: NDArray[np.float64], brake_model: str
+) -> float:
+    """Return the largest rate at which a state of distributors at these cells comes to rest [1/s].
+
+    The pipe and what it fills come to rest together, at the sum of their rates. volume: of all cells [m3].
+    """
+    paces = {one: kind_of(one).fastest(one, brake_model) for one in set(distributors)}
+    drawn = np.zeros(volume.size)
+    np.add.at(drawn, list(cells), [kind_of(one).drawn(one) for one in distributors])
+    return max(paces[one] + drawn[cell] / volume[cell] for one, cell in zip(distributors, cells, strict=True))
+
+
 class PipeAir:
     """The air in a pipe computed by the C library at `own`; volume: of its cells [m3]; kinds: of its distributors."""
 
@@ -160,7 +173,7 @@ class Pipe(PipeAir):
         given = [np.array([list(one.values().values()) for one in distributors if kind_of(one) is k]).T for k in known]
         given = [one.copy() for one in given]
         rows = (ctypes.c_void_p * len(known))(*(one.ctypes.data for one in given))
-        pace = max(kind.pace(one) for kind, one in set(zip(kinds, distributors, strict=True)))
+        pace = pace_of(distributors, cells, self.volume, "whole")
         own, whole = np.array(self.kinds, np.int64), BRAKE_MODELS["whole"]
         if not self._call.pipe_vehicles(self.own, len(cells), own.ctypes.data, places.ctypes.data, rows, whole, pace):
             raise MemoryError(f"There is no memory for {len(cells)} vehicles; take fewer.")

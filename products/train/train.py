@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from brake_controller.air import AMBIENT
 from brake_controller.distributors import DISTRIBUTORS, kind_of
-from brake_controller.drivers_valve import POSITIONS
 from fmu_src.cosimulation.recording import Recording
 from products.controller_kinds import Form, InC
 from products.run_history import RunHistory
 from products.train.consist import Consist
 from products.train.inputs import Inputs, wrong_input
-from products.train.layout import EQUIPMENT, INITIAL, INPUTS, OF_WHEELS, OUTPUTS, START_PIPE_PRESSURE, SUMS, Array
+from products.train.layout import EQUIPMENT, HIGHEST, INITIAL, INPUTS, LOWEST_VACUUM, OF_WHEELS, OUTPUTS, SUMS, Array
 from products.train.library import functions
+from products.train.notches import driven
 from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.own_controllers import OwnControllers
 from products.train.pipe import PipeAir
@@ -88,6 +88,13 @@ def _recorded_of(consist: Consist) -> list[Array]:
     return [one for one in RECORDED if one.name not in left_out]
 
 
+def start_limits(consist: Consist) -> dict[str, tuple[float, float]]:
+    """Return the limits of initial gauge pressures [Pa]: vacuum brakes start with the pressure of the pipe alone."""
+    if consist.charged_pressure < 0.0:
+        return {"pipe": (LOWEST_VACUUM, 0.0), "cylinder": (0.0, 0.0)}
+    return {"pipe": (0.0, HIGHEST)}
+
+
 def idle_inputs(consist: Consist) -> dict[str, str]:
     """Return the inputs that no vehicle of a consist uses, and what it lacks."""
     return {name: one.text for name, one in EQUIPMENT.items() if not has_equipment(consist, name)}
@@ -111,7 +118,7 @@ class Train:
     distance : float
         Initial distance along the line [m].
     pipe : float
-        Initial gauge pressure of the pipe [Pa].
+        Initial gauge pressure of the pipe [Pa]; by default that of the charged pipe.
     cylinder : float
         Initial gauge pressure of the cylinders [Pa].
     line : Line, optional
@@ -135,14 +142,17 @@ class Train:
         *,
         speed: float = 0.0,
         distance: float = 0.0,
-        pipe: float = START_PIPE_PRESSURE,
+        pipe: float | None = None,
         cylinder: float = 0.0,
         line: Line | None = None,
         settings: Settings | None = None,
         controllers: Mapping[int, Form] | None = None,
     ) -> None:
+        if pipe is None:
+            pipe = consist.charged_pressure
+        limits = start_limits(consist)
         for one, value in zip(INITIAL, (speed, distance, pipe, cylinder), strict=True):
-            within(one.name, value, one.least, one.most, one.unit)
+            within(one.name, value, *limits.get(one.name, (one.least, one.most)), one.unit)
         if settings is not None and not isinstance(settings, Settings):
             raise TypeError(f"settings must be a Settings of products.train.numbers, or None; got {settings!r}.")
         self.consist, self.settings = consist, settings or Settings()
@@ -171,6 +181,7 @@ class Train:
         self._outputs = {name: self._view(self._call.train_output, row) for name, row in OUTPUT.items()}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
         self._recorded = _recorded_of(consist)
+        self._valves = [(one.valve, one.handle) for one in consist.vehicles if one.valve is not None]
         self._idle = idle_inputs(consist)
 
     def _view(self, call: Any, row: int) -> NDArray[np.float64]:
@@ -180,13 +191,30 @@ class Train:
             return np.empty(0)
         return np.ctypeslib.as_array(found, (count.value,))
 
-    def drive(self, position: str, step: float = 0.0, valve: int = 0) -> None:
-        """Set a driver's valve; step: of service, 0 the first, 1 full. Raises ValueError."""
-        if position not in POSITIONS:
-            raise ValueError(f"A driver's valve must be set to one of {', '.join(POSITIONS)}; got {position}.")
+    def drive(self, position: str, step: float = 0.0, valve: int = 0, handle: str = "") -> None:
+        """Set a driver's valve to a position, or to a notch of its handle.
+
+        Parameters
+        ----------
+        position : str
+            One of POSITIONS of `brake_controller/drivers_valve.py`, or a notch by one of its names.
+        step : float
+            Step of service, 0 the first, 1 full, unless the notch has its own [1].
+        valve : int
+            Number of the driver's valve, from 0.
+        handle : str
+            Handle of drivers_valves.toml whose notches are meant; by default that of the vehicle, if it has one.
+
+        Raises
+        ------
+        ValueError
+            If the name is unknown, a number is out of its limits, or service is by wire and has no such position.
+        """
         within("A step of service, 0 the first and 1 full,", step, 0.0, 1.0, "")
         _place("valve", valve, self.inputs["driver_position"].size)
-        self.inputs["driver_position"][valve], self.inputs["driver_step"][valve] = POSITIONS[position], step
+        own, named = self._valves[valve]
+        number, step = driven(position, step, own, handle or named)
+        self.inputs["driver_position"][valve], self.inputs["driver_step"][valve] = number, step
 
     def advance(self, time: float) -> None:
         """Advance by a time [s].
@@ -236,6 +264,11 @@ class Train:
         if name == "hose_state" and value in (1.0, 2.0):
             cells = f"with {self.settings.cells:g} cells a vehicle"
             return f"Leave inputs['hose_state'][{place.value}] at 0: {cells} there is no cock or hose; take one cell."
+        if name == "driver_position" and value in (5.0, 6.0):
+            return (
+                f"inputs['driver_position'][{place.value}] must be from 0 to 4, as service is by wire; got {value:g}. "
+                "Write service with a step."
+            )
         return wrong_input(name, place.value, value)
 
     def record(self, seconds: float, interval: float = 0.1) -> Recording:

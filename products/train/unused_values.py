@@ -6,7 +6,7 @@ import math
 
 from brake_controller.distributors import kind_of
 from brake_controller.distributors.uic import UicDistributor, freight
-from brake_controller.drivers_valve import drivers_valve
+from brake_controller.drivers_valve import DriversValve, drivers_valve
 from products.train.consist import Consist, TrainVehicle
 
 #: Diameter of a pipe that is not stated [m], and volume of a reservoir [m3].
@@ -19,12 +19,14 @@ EXHAUST = drivers_valve().exhaust_area
 
 def without_effect(consist: Consist, brake_model: str, cells: float) -> str:
     """Return a message about the first vehicle with a value that a brake model does not use; empty without one."""
-    for number, vehicle in enumerate(consist.vehicles, 1):
-        name = _unused(vehicle, brake_model, cells)
-        if name:
-            model = f"brake_model = {brake_model} with {cells:g} cells a vehicle"
-            take = "two cells" if name == "at" else "brake_model = whole"
-            return f"{name} of vehicle {number} has no effect with {model}. Take {take}, or leave it out."
+    vehicles = list(enumerate(consist.vehicles, 1))
+    vacuums = [number for number, vehicle in vehicles if kind_of(vehicle.distributor).vacuum]
+    found = [(vacuums[0], "distributor")] if vacuums and brake_model != "whole" else []
+    found += ((number, name) for number, vehicle in vehicles if (name := _unused(vehicle, brake_model, cells)))
+    for number, name in found[:1]:
+        model = f"brake_model = {brake_model} with {cells:g} cells a vehicle"
+        take = "two cells" if name == "at" else "brake_model = whole"
+        return f"{name} of vehicle {number} has no effect with {model}. Take {take}, or leave it out."
     return ""
 
 
@@ -41,7 +43,7 @@ def _unused(train_vehicle: TrainVehicle, model: str, cells: float) -> str:
         return ""
     if kind_of(own).assisted:
         return "distributor"
-    narrow = train_vehicle.valve is not None and train_vehicle.valve.exhaust_area != EXHAUST
+    narrow = isinstance(train_vehicle.valve, DriversValve) and train_vehicle.valve.exhaust_area != EXHAUST
     found = {
         "exhaust": narrow,
         "pipe_diameter": train_vehicle.pipe_diameter != PIPE,

@@ -66,10 +66,12 @@ int train_input_wrong(const train *self, long long int *element) {
     for (int row = 0; row < TRAIN_INPUTS; ++row)
         for (*element = 0; *element < layout_input(self->counts, row); ++*element) {
             const double value = self->input[row][*element];
+            const int held = row == IN_DRIVER_POSITION && value >= DRIVER_POSITION_HOLD; /* which has no command by wire */
+            const int by_wire = held && self->valve[*element * VALVE_ROWS + VALVE_WIRED] > 0.0;
             const int no_face = row == IN_HOSE_STATE && value != HOSE_STATE_WHOLE && self->face[*element] <= 0;
             const int commands = row == IN_PROTECTION || row == IN_EXTERNAL_VEHICLE; /* 0: it does not */
             const int no_hand = commands && value != 0.0 && protection_has(self, *element);
-            if (!within(value, &INPUTS[row], INPUTS[row].most) || no_face || no_hand) return row;
+            if (!within(value, &INPUTS[row], INPUTS[row].most) || no_face || no_hand || by_wire) return row;
         }
     return -1;
 }

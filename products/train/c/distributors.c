@@ -25,10 +25,15 @@ void distributors_free(pipe *self) {
 /* Allocates memory for `count` distributors; returns 0 if out of memory. */
 static int lay(distributors *self, long long int count) {
     const int states = KIND[self->kind].states, given = KIND[self->kind].given;
-    const rows_part parts[] = {{&self->state, states, 1e5},         {&self->before, states, 0.0},
-                               {&self->kept, states, 0.0},          {&self->first, states, 0.0},
-                               {&self->given, given, 1.0},          {&self->air, PIPE_STATES, 1.0},
-                               {&self->command, COMMAND_ROWS, 0.0}, {&self->rate, states + ANSWER_ROWS, 0.0}};
+    const rows_part parts[] = {{&self->state, states, 1e5},
+                               {&self->before, states, 0.0},
+                               {&self->kept, states, 0.0},
+                               {&self->first, states, 0.0},
+                               {&self->given, given, 1.0},
+                               {&self->air, PIPE_STATES, 1.0},
+                               {&self->command, COMMAND_ROWS, 0.0},
+                               {&self->rate, states + ANSWER_ROWS, 0.0},
+                               {&self->pressing, KIND[self->kind].presses, 1e5}};
     self->stride = rows_stride(count);
     self->memory = ROWS_LAY(parts, self->stride);
     self->vehicle = (long long int *)malloc((size_t)(2 * count) * sizeof(long long int));
@@ -132,6 +137,13 @@ void distributors_load(pipe *self, const double *numbers) {
     }
 }
 
+/* Pressures that press the brakes: those of the cylinders, or what they depend on. */
+static const double *pressing(const distributors *self) {
+    if (!KIND[self->kind].presses) return self->state + KIND[self->kind].cylinder * self->stride;
+    IN_LANES(distributors_press);
+    return self->pressing;
+}
+
 void pipe_pressures(const pipe *self, double *line, double *cylinder) {
     EACH_CONST(self, one) {
         for (long long int i = 0; i < one->count && line; ++i) {
@@ -139,7 +151,7 @@ void pipe_pressures(const pipe *self, double *line, double *cylinder) {
             /* (kappa - 1) times inner energy */
             line[one->vehicle[i]] = 0.4 * (u[2 * self->stride] - momentum * momentum / u[0] / 2.0);
         }
-        const double *pressure = one->state + KIND[one->kind].cylinder * one->stride;
+        const double *pressure = cylinder ? pressing(one) : NULL;
         for (long long int i = 0; i < one->count && cylinder; ++i) cylinder[one->vehicle[i]] = pressure[i];
     }
 }

@@ -52,7 +52,7 @@ void pipe_give(pipe *self, long long int cell, double pressure);
 void pipe_fill(pipe *self, double density, double pressure);
 /* States of the distributors of one kind: rows of the vehicles that have it. */
 PIPE_SHOWN void pipe_vehicle_states(const pipe *self, int kind, double *state);
-/* Of each vehicle: the pressure in its cell and in its cylinder [Pa]; NULL: not required. */
+/* Of each vehicle: the pressure in its cell, and that which presses its brake [Pa]; NULL: not required. */
 PIPE_SHOWN void pipe_pressures(const pipe *self, double *line, double *cylinder);
 PIPE_SHOWN void pipe_end(pipe *self, int end, const pipe_outside *outside);
 /* Sets a driver's valve, one of MOST_VALVES, at the face before a cell, or after the last one; numbers: the first of VALVE in

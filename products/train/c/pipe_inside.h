@@ -19,7 +19,8 @@ enum { TAP_FOUND = 2, TAPPED = 9, VALVE_OUT = 6, ENERGY_OUT = 7, LET_IN = 8 };
 typedef struct {
     int lanes, kind, form; /* form: of DISTRIBUTOR_FORMS */
     long long int count, stride, *vehicle, *cell; /* vehicle of each, and cell that it is connected to */
-    double *memory, *state, *before, *kept, *first, *given, *air, *command, *rate; /* the first cell of each first row */
+    double *memory, *state, *before, *kept, *first, *given, *air, *command, *rate,
+        *pressing; /* the first cell of each first row */
 } distributors;
 
 struct pipe {
@@ -46,6 +47,7 @@ struct pipe {
     void pipe_leaks_##lanes(pipe *self);                                                                                       \
     void pipe_drag_##lanes(pipe *self);                                                                                        \
     void distributors_answer_##lanes(distributors *self);                                                                      \
+    void distributors_press_##lanes(const distributors *self);                                                                 \
     void pipe_warm_##lanes(pipe *self);                                                                                        \
     void pipe_side_##lanes(const double *before, const double *own, const double *behind, double *side);                       \
     void pipe_tapping_##lanes(const double *at, const double *behind, const double *ahead, const double *valve,                \

@@ -26,6 +26,17 @@ void LANES_NAME(distributors_answer)(distributors *self) {
     LANES_LEAVE;
 }
 
+void LANES_NAME(distributors_press)(const distributors *self) {
+#define PRESSING(number, name)                                                                                                 \
+    case number:                                                                                                               \
+        for (long long int i = 0; i < self->count; i += LANES)                                                                 \
+            LANES_NAME(cells_##name)(self->state + i, self->given + i, self->pressing + i, self->stride);                      \
+        break;
+    switch (self->kind) { DISTRIBUTOR_PRESSINGS(PRESSING) }
+#undef PRESSING
+    LANES_LEAVE;
+}
+
 void LANES_NAME(pipe_side)(const double *before, const double *own, const double *behind, double *side) {
     LANES_NAME(cells_sides)(before, own, behind, side, LANES);
     LANES_LEAVE;

@@ -201,7 +201,8 @@ static void begin_inputs(train *self) {
 
 static void begin_air(train *self, double pressure, double cylinder) {
     pipe_fill(self->air, pressure / (GAS_CONSTANT * self->valve[VALVE_SUPPLY_TEMPERATURE]), pressure);
-    pipe_charge(self->air, fmax(pressure, self->valve[VALVE_RUNNING]), self->valve[VALVE_AROUND], cylinder);
+    const double running = self->valve[VALVE_RUNNING], around = self->valve[VALVE_AROUND];
+    pipe_charge(self->air, running < around ? fmin(pressure, running) : fmax(pressure, running), around, cylinder);
 }
 
 /* `saved` is only a buffer here. */
@@ -500,6 +501,7 @@ void train_load(train *self, const double *numbers) {
     find_outputs(self);
 }
 
+double train_charged(const train *self) { return self->valve[VALVE_RUNNING]; }
 pipe *train_air(train *self) { return self->air; }
 void train_steps(const train *self, long long int *steps) { memcpy(steps, self->steps, sizeof self->steps); }
 void train_motion(const train *self, double *state) { motion_get(self->moves, state); }

@@ -22,7 +22,8 @@ TRAIN_SHOWN const char *train_wrong(const double *numbers, long long int count);
 TRAIN_SHOWN train *train_create(const double *numbers, long long int count);
 TRAIN_SHOWN void train_free(train *self);
 /* Sets the initial state: speed [m/s], distance of the head [m], pressures of the pipe and of the cylinders [Pa]. Control
- * chambers and auxiliary reservoirs are charged to the running pressure, or to the pipe's if that is higher. */
+ * chambers and auxiliary reservoirs are charged to the running pressure, or to the pipe's if that is higher; chambers of vacuum
+ * brakes, which are released then, if that is lower. */
 TRAIN_SHOWN void train_begin(train *self, double time, double speed, double distance, double pipe, double cylinder);
 /* State of a wheel-slide protection whose controller failed, beside its commands. */
 enum { PROTECTION_FAILED = PROTECTION_RELEASE + 1 };
@@ -45,6 +46,8 @@ TRAIN_SHOWN void train_save(const train *self, double *numbers);
 TRAIN_SHOWN void train_load(train *self, const double *numbers);
 /* Number of steps of the pipe and of the couplers so far. */
 TRAIN_SHOWN void train_steps(const train *self, long long int *steps);
+/* Pressure of the charged pipe [Pa]: below the surroundings if it holds a vacuum. */
+TRAIN_SHOWN double train_charged(const train *self);
 /* The pipe, for its balances (pipe.h). */
 TRAIN_SHOWN struct pipe *train_air(train *self);
 /* State of the motion: rows of position, speed, wheel speed, coupler rest position (motion.h), to read and to set. */

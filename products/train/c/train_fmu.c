@@ -101,9 +101,9 @@ static void find_outputs(arrays_object *self) {
 }
 
 void arrays_reset(arrays_object *self) {
-    train_begin(self->own, 0.0, 0.0, 0.0, START_PIPE_PRESSURE + AMBIENT, AMBIENT);
+    train_begin(self->own, 0.0, 0.0, 0.0, train_charged(self->own), AMBIENT);
     memset(self->values, 0, self->place[ARRAYS] * sizeof(double));
-    *values_of(self, FIRST_PARAMETER + 2) = START_PIPE_PRESSURE;
+    *values_of(self, FIRST_PARAMETER + 2) = train_charged(self->own) - AMBIENT;
     for (int n = 0; n < TRAIN_INPUTS; ++n) {
         long long int count;
         const double *from = train_input(self->own, n, &count);
@@ -148,15 +148,30 @@ static void say_failed(const arrays_object *self, const double *before, double t
 
 /* Write what is wrong with an element of an input. */
 static void say_wrong(const arrays_object *self, int input, long long int element, char problem[MESSAGE_SIZE]) {
-    const char *why = input == IN_PROTECTION         ? "This vehicle has a controller of its own: leave the input at 0."
+    const char *why = input == IN_DRIVER_POSITION    ? "Service is by wire: it must be from 0 to 4."
+                      : input == IN_PROTECTION         ? "This vehicle has a controller of its own: leave the input at 0."
                       : input == IN_EXTERNAL_VEHICLE ? "The sensor of its protection would show no slip: build it without."
                                                      : "A cell of the pipe that spans vehicles has no cock and no hose.";
     print_text(problem, MESSAGE_SIZE, "%s[%lld] must be possible at its place; got %g. %s",
                ARRAYS_ABOUT[FIRST_INPUT + input].name, element + 1, values_of(self, FIRST_INPUT + input)[element], why);
 }
 
+/* Limits of initial gauge pressures that depend on what the pipe holds; NULL: they are within these. */
+static const char *wrong_start(const arrays_object *self) {
+    const double *given = values_of(self, FIRST_PARAMETER), pipe = given[2], cylinder = given[3];
+    if (train_charged(self->own) > AMBIENT)
+        return pipe < 0.0 ? "start_pipe_pressure must be at least 0 Pa, as the brakes hold air" : NULL;
+    if (pipe > 0.0) return "start_pipe_pressure must be from -95000 to 0 Pa, as the brakes hold a vacuum";
+    return cylinder != 0.0 ? "start_cylinder_pressure must be 0 Pa, as the brakes hold a vacuum" : NULL;
+}
+
 kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE]) {
     (void)ended; /* it never ends */
+    const char *pressure = wrong_start(self);
+    if (pressure) {
+        print_text(problem, MESSAGE_SIZE, "%s. Set it before the run.", pressure);
+        return KERNEL_ERROR;
+    }
     put_inputs(self);
     long long int element;
     const int wrong = train_input_wrong(self->own, &element);

@@ -21,12 +21,24 @@ static double position_of(train *self, long long int valve, double *step) {
     return follows ? delayed(self, 0, 1, time) : self->input[IN_DRIVER_POSITION][valve];
 }
 
+/* True if the pipe is charged below the surroundings: its exhauster takes air out, and braking lets air in. */
+static int holds_vacuum(const double *given) { return given[VALVE_RUNNING] < given[VALVE_AROUND]; }
+
 /* Demanded pressure of a valve. */
 static double wanted(const double *given, double position, double step) {
+    if (position == DRIVER_POSITION_CONTINUOUS_SERVICE) return given[VALVE_AROUND];
+    if (position == DRIVER_POSITION_SERVICE && holds_vacuum(given))
+        return given[VALVE_RUNNING] + given[VALVE_FIRST] + step * (given[VALVE_FULL] - given[VALVE_FIRST]);
     if (position == DRIVER_POSITION_OVERCHARGE) return given[VALVE_OVERCHARGE];
     if (position == DRIVER_POSITION_SERVICE && given[VALVE_WIRED] == 0.0)
         return given[VALVE_RUNNING] - given[VALVE_FIRST] - step * (given[VALVE_FULL] - given[VALVE_FIRST]);
     return position == DRIVER_POSITION_EMERGENCY ? given[VALVE_AROUND] : given[VALVE_RUNNING];
+}
+
+/* Share of full service by which the pressure that a valve holds has fallen, or risen of a vacuum. */
+static double fallen(const double *given, double held) {
+    const double by = holds_vacuum(given) ? held - given[VALVE_RUNNING] : given[VALVE_RUNNING] - held;
+    return given[VALVE_FULL] > 0.0 ? fmin(fmax(by, 0.0) / given[VALVE_FULL], 1.0) : 1.0;
 }
 
 double valves_demand(train *self, double step, double dead_time) {
@@ -38,6 +50,8 @@ double valves_demand(train *self, double step, double dead_time) {
         const double service = dead_time > 0.0 ? delayed(self, v, 2, time) : self->input[IN_DRIVER_STEP][v];
         const double least = given[VALVE_FULL] > 0.0 ? fmin(given[VALVE_FIRST] / given[VALVE_FULL], 1.0) : 1.0;
         if (position == DRIVER_POSITION_SERVICE) most = fmax(most, least + service * (1.0 - least));
+        if (position == DRIVER_POSITION_HOLD || position == DRIVER_POSITION_CONTINUOUS_SERVICE)
+            most = fmax(most, fallen(given, dead_time > 0.0 ? delayed(self, v, 0, time) : *valves_run(self, v)));
         if (position == DRIVER_POSITION_EMERGENCY) most = 1.0;
     }
     return most;
@@ -45,13 +59,28 @@ double valves_demand(train *self, double step, double dead_time) {
 
 static double moved(const double *given, double held, double position, double step, double time) {
     const double target = wanted(given, position, step);
-    if (position == DRIVER_POSITION_SHUT_OFF) return held;
-    if (held < target) return fmin(target, held + given[VALVE_UP] * time);
+    if (position == DRIVER_POSITION_SHUT_OFF || position == DRIVER_POSITION_HOLD) return held;
+    const int quickly = position == DRIVER_POSITION_EMERGENCY && holds_vacuum(given);
+    if (held < target) return fmin(target, held + given[quickly ? VALVE_QUICKLY : VALVE_UP] * time);
     const int slowly = position == DRIVER_POSITION_RUNNING;
     return fmax(target, held - given[position == DRIVER_POSITION_EMERGENCY ? VALVE_QUICKLY
                                      : slowly                              ? VALVE_SLOWLY
                                                                            : VALVE_DOWN] *
                                    time);
+}
+
+/* Openings of a valve of a vacuum: exhauster and, in release, ejector; air is let in through the service or the emergency port. The
+ * supply of such a valve is the lowest pressure that its exhauster reaches: a choke to it displaces a constant volume. */
+static void open_vacuum(const double *given, double position, double regulates, double numbers[VALVE_NUMBERS]) {
+    const double releases = position == DRIVER_POSITION_OVERCHARGE;
+    numbers[TAP_SUPPLY_PRESSURE] = given[VALVE_AROUND];
+    if (position == DRIVER_POSITION_EMERGENCY) { /* open to the surroundings, both ways */
+        numbers[TAP_FEEDING] = given[VALVE_EMERGENCY];
+        numbers[TAP_HELD] = given[VALVE_AROUND] + given[VALVE_BAND];
+        return;
+    }
+    numbers[TAP_EXHAUST] = regulates * (given[VALVE_EXHAUST] + releases * given[VALVE_EJECTOR]);
+    numbers[TAP_AMBIENT_PRESSURE] = given[VALVE_SUPPLY];
 }
 
 /* State of a valve in the middle of a step. */
@@ -63,14 +92,15 @@ void valves_command(train *self, double time) {
         *held = moved(given, before, position, step, time);
         if (self->brake_model == BRAKE_MODEL_DELAY) continue;
         const double regulates = position != DRIVER_POSITION_SHUT_OFF && position != DRIVER_POSITION_EMERGENCY;
-        const double numbers[VALVE_NUMBERS] = {regulates * given[VALVE_FEEDING],
-                                               regulates * given[VALVE_EXHAUST],
-                                               (position == DRIVER_POSITION_EMERGENCY) * given[VALVE_EMERGENCY],
-                                               (before + *held) / 2.0,
-                                               given[VALVE_BAND],
-                                               given[VALVE_SUPPLY],
-                                               given[VALVE_SUPPLY_TEMPERATURE],
-                                               given[VALVE_AROUND]};
+        double numbers[VALVE_NUMBERS] = {regulates * given[VALVE_FEEDING],
+                                         regulates * given[VALVE_EXHAUST],
+                                         (position == DRIVER_POSITION_EMERGENCY) * given[VALVE_EMERGENCY],
+                                         (before + *held) / 2.0,
+                                         given[VALVE_BAND],
+                                         given[VALVE_SUPPLY],
+                                         given[VALVE_SUPPLY_TEMPERATURE],
+                                         given[VALVE_AROUND]};
+        if (holds_vacuum(given)) open_vacuum(given, position, regulates, numbers);
         pipe_valve(self->air, (int)v, (long long int)given[VALVE_FACE], numbers);
     }
 }

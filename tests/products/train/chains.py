@@ -14,7 +14,7 @@ from rbd_model.train.coupler import Coupler, Curve
 
 MASS = 80e3
 #: Kinds of distributors of the project.
-KINDS = ("uic", "aar", "ecp", "ep_uic", "twin_pipe", "ep_direct", "piped")
+KINDS = ("uic", "aar", "ecp", "ep_uic", "twin_pipe", "ep_direct", "piped", "vacuum")
 
 
 def without_added_kinds(monkeypatch: pytest.MonkeyPatch, *others: str) -> None:

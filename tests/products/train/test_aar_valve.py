@@ -268,7 +268,7 @@ def test_a_consist_states_it_and_its_drivers_valve_and_is_written_again(tmp_path
         ({"distributor": "uic", "retainer": "low"}, "retainer must be of the distributor aar; got uic"),
         ({"distributor": "uic", "accelerated_release": "no"}, "accelerated_release must be of the distributor aar"),
         ({"release_time": 9, "retainer": "slow-direct"}, "release_time has no effect with retainer = slow-direct"),
-        ({"fill_time": 9}, "fill_time must be of the distributor uic, ecp, ep_uic or twin_pipe; got aar"),
+        ({"fill_time": 9}, "fill_time must be of the distributor uic, ecp, ep_uic, twin_pipe or vacuum; got aar"),
         ({"empty_load": 0.5}, "load or mass of an empty car, at most 40 t in all; got none. Set load to 0"),
         ({"empty_load": 0.5, "mass": 60}, "at most 40 t in all; got 60 t"),
         ({"empty_load": 0.5, "load": 0, "brake_force": 30}, "empty_load must be left out with brake_force"),

@@ -269,8 +269,8 @@ def test_a_consist_sets_only_what_a_kind_has(monkeypatch: pytest.MonkeyPatch) ->
     uic = "must be of the distributor uic, ep_uic or twin_pipe; got direct"
     for name, value, words in (
         ("full_pressure", 3.0, f"full_pressure {uic}"),
-        ("fill_time", 4.0, "fill_time must be of the distributor uic, ecp, ep_uic or twin_pipe; got direct"),
-        ("auxiliary", 100.0, f"auxiliary {uic}"),
+        ("fill_time", 4.0, "fill_time must be of the distributor uic, ecp, ep_uic, twin_pipe or vacuum; got direct"),
+        ("auxiliary", 100.0, "auxiliary must be of the distributor uic, ep_uic, twin_pipe or vacuum; got direct"),
         ("empty_load", 0.5, "empty_load must be of the distributor aar; got direct"),
         ("dead_time", 0.5, "dead_time has no effect with distributor = direct"),
     ):

@@ -10,7 +10,7 @@ import pytest
 import bogie_braking as bb
 import build_fmu
 from products.train.consist import braked_by, coach, locomotive, wagon
-from products.train.consist_file import consist_of, read_consist
+from products.train.consist_file import read_consist
 from rbd_model.track.line import read_line
 from rbd_model.train.coupler import COUPLERS
 
@@ -329,12 +329,3 @@ def test_a_number_in_toml_may_carry_its_unit(tmp_path: Path) -> None:
     plain = read_consist(written(tmp_path, "a.toml", f"{rows}load = 45.5\nlength = 13.5\nfull_pressure = 3.6\n"))
     units = f"{rows}load = '45500 kg'\nlength = '13500 mm'\nfull_pressure = '360 kPa'\n"
     assert read_consist(written(tmp_path, "b.toml", units)) == plain
-
-
-@pytest.mark.parametrize("name", ["distributor", "brake"])
-def test_a_vacuum_brake_is_refused_with_what_to_take_instead(name: str, tmp_path: Path) -> None:
-    message = "got .?vacuum.?. A vacuum brake is not modelled: take distributor = uic with its force, fill_time and rel"
-    with pytest.raises(ValueError, match=message):
-        consist_of([{"kind": "locomotive"}, {"kind": "wagon", name: "vacuum"}])
-    with pytest.raises(ValueError, match=message):
-        read_consist(written(tmp_path, "vacuum.csv", f"kind,{name}\nlocomotive,\nwagon,vacuum\n"))

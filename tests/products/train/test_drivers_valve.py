@@ -182,7 +182,7 @@ def test_a_train_in_position_g_brakes_later_than_in_p() -> None:
 @pytest.mark.parametrize(
     ("name", "value", "sentence"),
     [
-        ("driver_position", 2.5, r"inputs\['driver_position'\]\[0\] must be an integer from 0 to 4; got 2.5."),
+        ("driver_position", 2.5, r"inputs\['driver_position'\]\[0\] must be an integer from 0 to 6; got 2.5."),
         ("protection", 3.0, r"inputs\['protection'\]\[0\] must be an integer from 0 to 2; got 3."),
         ("friction", float("nan"), r"inputs\['friction'\]\[0\] must be a number from 0 to 2; got nan."),
         ("friction", -0.3, r"inputs\['friction'\]\[0\] must be a number from 0 to 2; got -0.3."),

@@ -319,7 +319,7 @@ REFUSED = {
     ),
     "a distributor": (
         {"distributor": "ep_direct"},
-        "distributor must be one of uic, aar, ecp, ep_uic, twin_pipe; got ep_direct.",
+        "distributor must be one of uic, aar, ecp, ep_uic, twin_pipe, vacuum; got ep_direct.",
     ),
 }
 

@@ -154,7 +154,7 @@ def run(slave: FmuInstance, rows: range) -> list[dict[str, np.ndarray]]:
 
 def test_all_types_of_brakes_are_in_the_train() -> None:
     vehicles = bb.train(ROWS).consist.vehicles
-    assert {row.get("distributor", "uic") for row in ROWS} >= set(pneumatic())
+    assert {row.get("distributor", "uic") for row in ROWS} >= set(pneumatic()) - {"vacuum"}  # it has a pipe of its own
     assert {row.get("brake") for row in ROWS} >= {"ep-direct", "none"}
     assert sum(one.heat.heat_capacity > 0.0 for one in vehicles) == 2
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from brake_controller.distributors import keeps_pipe, kind_of
 from brake_controller.distributors.aar import RETAINERS
 from brake_controller.drivers_valve import POSITIONS
 from products.train.consist_file import consist_of
@@ -83,8 +84,10 @@ def train_of(draw: np.random.Generator) -> Train:
 
 def disturb(train: Train, draw: np.random.Generator) -> None:
     """Set random commands of the driver, of protection, motors and other brakes; shut or part hoses."""
+    by_wire = keeps_pipe(kind_of(vehicle.distributor) for vehicle in train.consist.vehicles)
+    positions = list(POSITIONS)[: 5 if by_wire else None]  # without hold and continuous service
     for valve in range(train.inputs["driver_position"].size):
-        train.drive(str(draw.choice(list(POSITIONS))), draw.random(), valve)
+        train.drive(str(draw.choice(positions)), draw.random(), valve)
     vehicles = len(train.consist.vehicles)
     train.inputs["protection"] = draw.choice([0.0, 0.0, 0.0, 1.0, 2.0], vehicles)
     train.inputs["friction"] = draw.uniform(0.02, 0.6, vehicles)

@@ -396,7 +396,7 @@ def test_a_state_of_another_consist_is_refused(name: str, train: Host, fmus: dic
     ("name", "values", "words"),
     [
         ("speed", [1.0, 1.0, 1.0], "speed is an output and cannot be set; read it instead."),
-        ("driver_position", [7], "driver_position must be from 0 to 4; got 7."),
+        ("driver_position", [7], "driver_position must be from 0 to 6; got 7."),
         ("friction", [0.3, -1.0, 0.3], "friction[2] must be from 0 to 2; got -1."),
         ("friction", [0.3, 0.3, math.nan], "friction[3] must be from 0 to 2; got nan."),
         ("pull", [1e300, 0.0, 0.0], "pull[1] must be from -1e+07 to 1e+07 N; got 1e+300."),
