@@ -32,6 +32,8 @@ class BrakeModel:
 
 #: Largest error that may be allowed [1].
 LARGEST_ERROR = 0.5
+#: Least number of cells of a vehicle with which a vacuum has the errors below: with one the distance errs by 1.8 %.
+CELLS_OF_VACUUM = 2.0
 #: In the order of their costs.
 BRAKE_MODELS_BY_COST = {
     "delay": BrakeModel(Settings("delay", cells=1.0), 0.025, 0.15, False, 300.0),
@@ -60,6 +62,7 @@ def select_brake_model(
             and brake_model.force <= force
             and brake_model.longest >= consist.length
             and brake_model.releases >= releases
+            and (brake_model.settings.cells >= CELLS_OF_VACUUM or consist.charged_pressure > 0.0)
             and not without_effect(consist, brake_model.settings.brake_model, brake_model.settings.cells)
         ):
             return brake_model.settings

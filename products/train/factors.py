@@ -9,6 +9,7 @@ from brake_controller.distributors import ep_direct, kind_of
 from brake_controller.distributors.ep_direct import RELEASED, EpDirect
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import UicDistributor, release_time, with_times
+from brake_controller.distributors.vacuum import VacuumBrake, with_fill_time
 from products.train.consist import Consist, TrainVehicle, braked_by
 from products.train.consist_columns import AIR, FORCE
 from readers.quantity import Quantity, by_name
@@ -69,6 +70,8 @@ def _filling(train_vehicle: TrainVehicle, time: float) -> TrainVehicle:
     own = train_vehicle.distributor
     if isinstance(own, UicDistributor) and "fill_time" in kind_of(own).adjustable:
         return replace(train_vehicle, distributor=with_times(own, time, release_time(own)))
+    if isinstance(own, VacuumBrake):
+        return replace(train_vehicle, distributor=with_fill_time(own, time))
     if isinstance(own, EpDirect):
         release = (own.full_pressure - RELEASED) / own.release_rate
         return replace(train_vehicle, distributor=ep_direct.with_times(own.full_pressure, time, release))

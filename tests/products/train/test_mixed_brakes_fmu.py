@@ -223,7 +223,7 @@ def test_the_page_of_trains_has_each_parameter_input_and_output_of_the_fmu() -> 
 
 def test_the_pages_of_trains_have_each_column_of_a_consist() -> None:
     found = set[str]()
-    for name in ("train", "train-brakes", "train-couplers"):
+    for name in ("train", "train-brakes", "train-couplers", "vacuum-brakes"):
         text = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
         cells = re.findall(r"^\|([^|]*)\|", text, re.MULTILINE)
         found |= {word for cell in cells for word in re.findall(r"`(\w+)`", cell)}
