@@ -24,9 +24,9 @@ _RATE = "a rate of a driver's valve"
 #: Data of a valve in C, pressures absolute and areas effective: the cell after it; areas; band, supply and its
 #: temperature, ambient pressure. Running pressure and overcharge; falls of the first step and of full service; rates of
 #: service, release, overcharge and emergency. Place from the head, measured backwards below 0. Delay after the first
-#: valve while its own position is 0, below 0 never. Then 1 if a service keeps the pipe at the running pressure. Of a
-#: vacuum the running pressure is below the ambient one, the supply is the lowest pressure of the exhauster, and the
-#: last area that of the ejector, which a release opens too.
+#: valve while its own position is 0, below 0 never. Then 1 if a service keeps the pipe at the running pressure. The
+#: valve of a vacuum has a running pressure below the ambient one. Its supply is the lowest pressure of the exhauster,
+#: and the last area belongs to the ejector, which a release opens too.
 VALVE = (
     Field("face", "1", 0.0, 0.0, "a driver's valve's place at the pipe", whole=True, counts="cells"),
     *(Field(name, "m2", 0.0, 1.0, _AREA) for name in ("feeding", "exhaust", "emergency")),

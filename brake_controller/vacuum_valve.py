@@ -2,7 +2,7 @@
 
 An exhauster of constant displacement is a choke to a pressure so low that it is choked: its flow of mass is then in
 proportion to the pressure before it (ISO 6358-1). The valve keeps the pipe at the pressure that the driver commands, as
-a relay. Nothing of it is published in what was found, except the time of a service in train simulators (Open Rails).
+a relay. One number is that of train simulators, the time of a service (Open Rails). All others are assumed.
 """
 
 from __future__ import annotations
@@ -86,8 +86,8 @@ def displacing(volume_flow: float) -> float:
 def vacuum_valve(vacuum: float) -> VacuumValve:
     """Return the driver's valve for a vacuum [Pa].
 
-    A service destroys it in 10 s (Open Rails). Assumed: 3 m3/min of the exhauster, 6 of the ejector, down to 6 kPa;
-    ports of 25 mm, and 45 mm in an emergency; a band of 1 kPa; a second for release and emergency.
+    A service destroys it in 10 s (Open Rails). All other numbers are assumed. The exhauster has 3 m3/min and the
+    ejector 6, down to 6 kPa. Ports have 25 mm, and 45 mm in an emergency.
     """
     return VacuumValve(
         vacuum=vacuum,

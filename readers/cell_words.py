@@ -43,6 +43,8 @@ CELL_WORDS: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "valve": {"none": ("keines", "aucun", "ohne")},
     "accelerated_release": {"yes": _YES, "no": _NO},
+    "direct_admission": {"yes": _YES, "no": _NO},
+    "distributor": {"vacuum": ("Saugluft", "Saugluftbremse", "Vakuumbremse", "vide", "frein à vide")},
     "weighing": {"continuous": ("stufenlos", "continu"), "lever": ("Hebel", "zweistufig")},
 }
 #: Words that may mean several choices, by column, each with its remedy.

@@ -105,8 +105,8 @@ class Distributor:
         Whether its pipe is charged below ambient pressure.
 
     pressing : callable
-        Function of the states and parameters for the absolute pressure that presses the brake [Pa], if that is not the
-        state `cylinder`: of a vacuum brake that of one side of its pistons over the other.
+        Function of the states and parameters for the absolute pressure that presses the brake [Pa]. It is there if
+        this is not the state `cylinder`.
 
     drawing : callable
         Function of the parameters for the largest rate at which the pipe comes to rest with the distributor, times the

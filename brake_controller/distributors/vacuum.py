@@ -172,8 +172,8 @@ def pressing(states: Mapping[str, ca.SX], p: Mapping[str, ca.SX]) -> ca.SX:
 def whole(moment: Moment) -> Answer:
     """Return rates and flows of the brake.
 
-    The states are the air above and below the pistons, as its pressures with lowered pistons: V dp/dt = R T G, an ideal
-    gas at the temperature of the walls; flows by ISO 6358-1 between the pressures of `sides`.
+    The states are the air above and below the pistons, as its pressures with lowered pistons: V dp/dt = R T G. It is an
+    ideal gas at the temperature of the walls. Flows follow ISO 6358-1 between the pressures of `sides`.
     """
     p, pipe, specific = moment.given, moment.pipe, GAS_CONSTANT * WALL
     above, below = sides(p, moment.states["chamber"], moment.states["cylinder"])

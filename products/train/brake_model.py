@@ -32,7 +32,7 @@ class BrakeModel:
 
 #: Largest error that may be allowed [1].
 LARGEST_ERROR = 0.5
-#: Least number of cells of a vehicle with which a vacuum has the errors below: with one the distance errs by 1.8 %.
+#: Least number of cells of a vehicle with which a vacuum has the errors below. With one the distance is 1.8 % wrong.
 CELLS_OF_VACUUM = 2.0
 #: In the order of their costs.
 BRAKE_MODELS_BY_COST = {

@@ -35,7 +35,7 @@ class Notch:
 
     @property
     def is_service(self) -> bool:
-        """Whether it has a step of its own."""
+        """True if it has a step of its own."""
         return self.step is not None or self.reduction is not None
 
     def step_of(self, valve: DriversValve | VacuumValve) -> float:

@@ -197,13 +197,13 @@ class Train:
         Parameters
         ----------
         position : str
-            One of POSITIONS of `brake_controller/drivers_valve.py`, or a notch by one of its names.
+            Position or notch.
         step : float
-            Step of service, 0 the first, 1 full, unless the notch has its own [1].
+            Step of service, from 0 to 1.
         valve : int
-            Number of the driver's valve, from 0.
+            Its number, from 0.
         handle : str
-            Handle of drivers_valves.toml whose notches are meant; by default that of the vehicle, if it has one.
+            Handle of the notch, by default that of the vehicle.
 
         Raises
         ------

@@ -149,14 +149,14 @@ static void say_failed(const arrays_object *self, const double *before, double t
 /* Write what is wrong with an element of an input. */
 static void say_wrong(const arrays_object *self, int input, long long int element, char problem[MESSAGE_SIZE]) {
     const char *why = input == IN_DRIVER_POSITION    ? "Service is by wire: it must be from 0 to 4."
-                      : input == IN_PROTECTION         ? "This vehicle has a controller of its own: leave the input at 0."
+                      : input == IN_PROTECTION       ? "This vehicle has a controller of its own: leave the input at 0."
                       : input == IN_EXTERNAL_VEHICLE ? "The sensor of its protection would show no slip: build it without."
                                                      : "A cell of the pipe that spans vehicles has no cock and no hose.";
     print_text(problem, MESSAGE_SIZE, "%s[%lld] must be possible at its place; got %g. %s",
                ARRAYS_ABOUT[FIRST_INPUT + input].name, element + 1, values_of(self, FIRST_INPUT + input)[element], why);
 }
 
-/* Limits of initial gauge pressures that depend on what the pipe holds; NULL: they are within these. */
+/* Message on initial gauge pressures outside the limits of a pipe with air, or with a vacuum; NULL: they are within. */
 static const char *wrong_start(const arrays_object *self) {
     const double *given = values_of(self, FIRST_PARAMETER), pipe = given[2], cylinder = given[3];
     if (train_charged(self->own) > AMBIENT)
