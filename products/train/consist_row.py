@@ -9,6 +9,7 @@ from typing import Any
 
 from brake_controller.air import DISCHARGE
 from brake_controller.distributors import distributors
+from brake_controller.distributors.vacuum import VacuumBrake
 from brake_controller.drivers_valve import DriversValve, drivers_valve
 from brake_controller.vacuum_valve import VacuumValve
 from products.train.brake_columns import brake_of, distributor_of, row_of_brake, row_of_distributor
@@ -46,7 +47,7 @@ def vehicle_of(
     one = replace(one, distributor=vented_of(values, distributor_of(values, one.distributor)))
     if values.get("brake") == "none":
         one = replace(one, brake=braked_with(0.0))
-    elif OF_BRAKE & set(values):
+    elif OF_BRAKE & set(values) or isinstance(one.distributor, VacuumBrake):  # not sized for the pressure of air
         one = replace(one, brake=brake_of(values, one))
     one = replace(one, electric=electric_of(values, one.distributor), heat=heat_of(values, one.brake))
     one = replace(one, traction=traction_of(values), adhesion=values.get("adhesion", "input"))

@@ -97,6 +97,12 @@ def test_cylinders_of_a_stated_diameter_press_by_their_area_without_a_spring() -
     )
 
 
+@pytest.mark.parametrize(("kind", "percentage"), [("coach", 135.0), ("locomotive", 85.0)])
+def test_a_kind_has_its_brake_weight_at_the_pressure_of_a_vacuum(kind: str, percentage: float) -> None:
+    vehicle = consist_of([{"kind": "locomotive", "distributor": "vacuum"}, {"kind": kind, "distributor": "vacuum"}])
+    assert vehicle.vehicles[1].percentage == pytest.approx(percentage, rel=1e-3)
+
+
 def emptied(settings: Settings, exhauster: float, **row: Any) -> Train:
     """Return a short train without a vacuum: after an emergency, release valves join both sides of the pistons."""
     consist = with_brakes(consist_of(rows(1, **row)), lambda one: replace(one, ball_choke=0.02, release_choke=0.02))
