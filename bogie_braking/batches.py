@@ -35,7 +35,7 @@ from fmu_src.batch import BatchLibrary, Ends, Instances, run_batch, table_of
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System, Variable
 from products.run_history import provenance_of
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.track.line import Line
 from readers.usual import almost_0, is_almost_0, note

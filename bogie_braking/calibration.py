@@ -16,7 +16,7 @@ from bogie_braking.measured_data import DataOptions
 from bogie_braking.run_fitting import fit_run
 from bogie_braking.train_fitting import fit_train
 from products.train.consist import Consist
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.track.line import Line
 from rbd_model.vehicle.description import Vehicle
 from readers.log_columns import ColumnMap

@@ -16,7 +16,7 @@ from fmu_src.start_values import with_start_values
 from fmu_src.system import Model, System
 from products.building import up_to_date, validation
 from products.registry import FMUS, fmu_named
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.levels.models import places_of
 from rbd_model.track.line import Line
 from rbd_model.track.line_table import LINE

@@ -16,7 +16,7 @@ from bogie_braking.friction_model import OF_RAIL, SLIDES, Axles, LogStretch, str
 from bogie_braking.friction_search import NO_SCATTER, Search, SearchResult, block_of, search
 from products.machine import MACHINES
 from products.registry import fmu_named
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.track.line import Line
 from rbd_model.vehicle.description import Vehicle
 from readers.extras import named_extras, need

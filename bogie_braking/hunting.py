@@ -22,7 +22,7 @@ from fmu_src.system import System
 from products.building import LINEAR, linear_kernel_of, linear_model
 from products.kernel_runs import SETTLED, prepare
 from products.registry import fmu_named
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.contact.pair_file import PAIR_FILE, joined
 from rbd_model.levels.models import places_of
 from rbd_model.linear import Mode, oscillations

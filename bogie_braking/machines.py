@@ -21,7 +21,7 @@ from products.building import kernel_at, kernel_of, variables_of, whole_kernel
 from products.one_level import model_at, place_of
 from products.registry import FMUS, SELECTORS, fmu_named
 from products.registry import model_of as model_of_fmu
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.creep.own_law import check_own_law

@@ -19,7 +19,7 @@ from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from products.protection.vehicle_of_file import machine_of_sheet
 from products.run_history import provenance_of
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.track.line import Line
 
 #: A class, or another function that returns a new controller.

@@ -21,7 +21,8 @@ from fmu_src.kernel import SimulationError
 from fmu_src.system import Model, System, Variable
 from products.run_history import MOST_NUMBERS, RunHistory, provenance_of
 from products.train.numbers import Settings
-from products.vehicle_file import DataSheet, read_vehicle
+from products.vehicle_file import read_vehicle
+from products.vehicle_sheet import DataSheet
 from rbd_model.track.line import Line
 from rbd_model.vehicle.description import Vehicle
 from readers.documents import is_number

@@ -26,7 +26,7 @@ from fmu_src.batch import Ends, run_batch
 from fmu_src.cosimulation.recording import Recording
 from products.run_history import provenance_of
 from products.study.points import outcomes_from
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.track.line import Line
 from readers.extras import named_extras
 from readers.renamed import FormerNames

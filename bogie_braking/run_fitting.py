@@ -16,7 +16,7 @@ from bogie_braking.simulation import Simulation
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.suggestion import suggestion
 from fmu_src.system import System
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.track.line import Line
 from readers.log_rows import after_events
 

@@ -19,7 +19,7 @@ from fmu_src.kernel import MOST_NUMBERS, Kernel, SimulationError
 from fmu_src.refusals import without_value_before
 from fmu_src.system import NONE, Variable
 from products.registry import FMUS
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.track.line import Line
 from rbd_model.track.line_table import LINE

@@ -33,7 +33,7 @@ from products.registry import FMUS
 from products.run_history import provenance_of
 from products.study.points import AHEAD, Evaluate, Outcome, Outcomes, Point, outcomes_from
 from products.study.study import Study, kept_outcomes_of, outcomes_of
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.track.line import Line
 from readers.units import factor
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from products.train.brake_columns import CYLINDER
 from products.train.consist_columns import NUMBERS
 from products.train.row_statements import percentage_of
 from products.vehicle_entries import choice_of, number_of
+from products.vehicle_sheet import SheetBrake
 from readers.column_words import with_columns
 from readers.quantity import Quantity, by_name
 from readers.usual import SI
@@ -87,24 +87,6 @@ OF_CONSISTS = {*ENTRY_OF_COLUMN, *(BRAKE_ENTRIES.keys() & NUMBERS.keys())} - {"s
 #: Entries of the rigging, which only cylinder data use, and those of one kind of brake alone.
 OF_RIGGING = ("rigging_efficiency", "return_force")
 OF_TREADS, OF_DISCS = ("friction_law", "shoes"), ("friction_radius",)
-
-
-@dataclass(frozen=True)
-class SheetBrake:
-    """The brake of a vehicle file.
-
-    values: parameters of BrakedVehicle [SI]; full_pressure [Pa]; full_torque [N.m]: of one wheelset at the mean
-    friction; application_time [s]: from 0 to 95 %; assumed: how each value was found that the file does not give;
-    entries: as the file has them.
-    """
-
-    acts_on: str
-    values: Mapping[str, float]
-    full_pressure: float
-    full_torque: float
-    application_time: float
-    assumed: Mapping[str, str]
-    entries: Mapping[str, Any]
 
 
 def with_entry_names(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -6,8 +6,8 @@ from dataclasses import fields
 from pathlib import Path
 
 from products.vehicle_entries import ENTRIES, HEIGHTS, LIKE, PARAMETER_OF, RESISTANCE, literal, number_of
-from products.vehicle_file import DataSheet
 from products.vehicle_parts import ENTRY, OF_FILE
+from products.vehicle_sheet import DataSheet
 from rbd_model.vehicle.parameters import VehicleParameters
 from readers.storage import write_whole
 

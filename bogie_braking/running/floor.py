@@ -11,7 +11,7 @@ from bogie_braking.checks import known, line_or_none, number, shown
 from bogie_braking.machines import described
 from bogie_braking.running.filters import finite, interval_of
 from fmu_src.cosimulation.recording import Recording
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from rbd_model.track.line import Line
 from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import Vehicle

@@ -13,7 +13,7 @@ from bogie_braking.hunting import Subject, large_speed_of, linear_speed_of, mode
 from bogie_braking.machines import Runnable
 from bogie_braking.simulation import Simulation, run
 from products.machine import filling_by_time
-from products.vehicle_file import BRAKED_FMU, DataSheet
+from products.vehicle_sheet import BRAKED_FMU, DataSheet
 from rbd_model.linear import Mode
 from rbd_model.track.friction import RailCondition, dry, low, very_low, wet
 

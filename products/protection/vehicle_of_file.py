@@ -10,7 +10,8 @@ from products.machine import DISCS, MACHINES, RESERVOIR_PRESSURE, TRACTION, Mach
 from products.protection.programme import Case
 from products.protection.settings import SLOWEST_BRAKE
 from products.vehicle_brakes import SheetBrake
-from products.vehicle_file import FMU_OF_AXLES, DataSheet, read_vehicle
+from products.vehicle_file import read_vehicle
+from products.vehicle_sheet import FMU_OF_AXLES, DataSheet
 from readers.text import FileError
 
 #: End of the name of a vehicle file.

@@ -26,7 +26,7 @@ from bogie_braking.hunting import (
 )
 from bogie_braking.vehicle_files.check import Hunting, VehicleCheck
 from bogie_braking.vehicle_files.page import critical_table
-from products.vehicle_file import DataSheet
+from products.vehicle_sheet import DataSheet
 from products.vehicle_toml import built_in_sheet
 from rbd_model.contact.pair_file import write_pair
 

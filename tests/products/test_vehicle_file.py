@@ -20,7 +20,8 @@ from fmu_src.archive import contents_of
 from fmu_src.idle_parameters import without_effect
 from products.registry import FMUS
 from products.vehicle_entries import LIKE
-from products.vehicle_file import WITH_EFFECT, sheet_of
+from products.vehicle_file import sheet_of
+from products.vehicle_sheet import WITH_EFFECT
 from products.vehicle_toml import EXAMPLES, built_in_sheet, names_of_examples, write_vehicle
 from rbd_model.contact.geometry import thesis_pair
 from rbd_model.contact.pair_file import read_pairs, write_pair

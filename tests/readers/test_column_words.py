@@ -14,7 +14,8 @@ from products.train.consist_file import read_consist
 from products.train.coupler_tables import TABLE_NAMES
 from products.vehicle_brakes import OF_CONSISTS
 from products.vehicle_entries import ENTRIES
-from products.vehicle_file import TABLES, read_vehicle
+from products.vehicle_file import read_vehicle
+from products.vehicle_sheet import TABLES
 from rbd_model.track.irregularity import COLUMNS as IRREGULAR
 from rbd_model.track.irregularity import track_from_file
 from rbd_model.track.line import read_line
