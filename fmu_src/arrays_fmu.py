@@ -58,7 +58,8 @@ class ArraysInC:
     """An object in C that implements arrays.h: its C files by name, and its arrays in the order of their numbers.
 
     stride: between value references of FMI 2.0 from array to array. starts_alone: True if outputs at the start do not
-    depend on inputs and parameters. foreign: those of the files that are a user's, which may have warnings.
+    depend on inputs and parameters. foreign: those of the files that are a user's, which may have warnings. ships:
+    whether a wheel may have the binary.
     """
 
     name: str
@@ -68,6 +69,7 @@ class ArraysInC:
     stride: int = ELEMENTS
     starts_alone: bool = False
     foreign: Collection[str] = ()
+    ships: bool = True
 
 
 def token_of(given: ArraysInC) -> str:

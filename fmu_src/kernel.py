@@ -320,7 +320,7 @@ class Kernel:
         status = self._call.kernel_record(self._handle, start, size, interval, columns, numbers, buffer, rows)
         if status == ERROR:
             self._check(status)
-        self._drain()
+        self.hear()
         table = np.frombuffer(memoryview(buffer), float).reshape(rows, columns)
         first = table[:, 0]
         return table[: int(np.argmax(np.isnan(first)))] if np.isnan(first[-1]) else table
@@ -429,13 +429,13 @@ class Kernel:
         """Make `repeat` steps of `size` [s] in one call, to measure the cost of a step for a host written in C."""
         self._check(self._call.kernel_repeat_step(self._handle, self.time, size, repeat))
 
-    def _drain(self) -> None:
+    def hear(self) -> None:
         """Append the new messages of the C side."""
         while self._call.kernel_hear(self._handle, ctypes.byref(self._heard)):
             self.messages.append(self._heard.text.decode())
 
     def _check(self, status: int) -> None:
-        self._drain()
+        self.hear()
         if status > WARNING:
             raise SimulationError(self._call.kernel_message(self._handle).decode(), status)
 

@@ -255,7 +255,7 @@ def write_in_c(fmu: ArraysFmu, path: Path, version: int = 2, all_platforms: bool
 
 def own_binary(given: ArraysInC) -> bytes:
     """Return the binary for this platform, of the wheel where no source has changed, or compiled."""
-    path = None if given.foreign else prebuilt_from_these(f"train/{given.name}{library_suffix()}")
+    path = None if given.foreign or not given.ships else prebuilt_from_these(f"train/{given.name}{library_suffix()}")
     return path.read_bytes() if path else binary_of_arrays(given)
 
 

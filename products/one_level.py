@@ -30,18 +30,23 @@ def place_of(name: str, table: Mapping[str, Variable], values: Mapping[str, Any]
     return place_in(fmu.choice, selectors, good, there)
 
 
-def model_at(name: str, table: Mapping[str, Variable], place: int) -> Model:
-    """Return the model of an FMU with the system of this number alone; any other cannot be chosen.
+def model_at(name: str, table: Mapping[str, Variable], place: int, *more: int) -> Model:
+    """Return the model of an FMU with the systems of these numbers alone; any other cannot be chosen.
 
-    place: as `place_of` gives it; with NONE the model refuses the start, as the FMU does. table: variables of the FMU.
+    place, more: as `place_of` gives them; with NONE the model refuses the start, as the FMU does. table: variables of
+    the FMU.
     """
     fmu = FMUS[name]
     assert fmu.vehicle is not None
-    one = fmu.model(places=(max(place, 0),))
+    places = sorted({max(number, 0) for number in (place, *more)})
+    one = fmu.model(places=tuple(places))
     reads = LINE if LINE.variable.name in table else None
     records = PAIR_FILE if PAIR_FILE.variable.name in table else None
     whole = fmu.choice if reads else fmu.choice[: len(fmu.choice) // 2]
-    choice = tuple(0 if number != NONE and place in (number, NONE) else NONE for number in whole)
+    choice = tuple(
+        places.index(number) if number in places else 0 if number != NONE and place == NONE else NONE
+        for number in whole
+    )
     relations = relations_of(fmu.vehicle(), list(table))
     files: dict[str, Any] = {"reads": reads, "reads_records": records}
     return replace(one, variables=tuple(table.values()), choice=choice, relations=relations, **files)

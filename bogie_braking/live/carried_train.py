@@ -43,6 +43,10 @@ class CarriedTrain:
         """
         if own := own_files(self.consist):
             raise ValueError(f"protection of a page must be built-in or none; got {own[0]}. Write built-in.")
+        if any(vehicle.detail for vehicle in self.consist.vehicles):
+            raise ValueError(
+                "detail must be left out on a page, whose vehicles are points. Remove it from the consist."
+            )
         numbers = numbers_of(self.consist, Settings(), self.line)
         names = groupby(vehicle.name or vehicle.kind for vehicle in self.consist.vehicles)
         about = {

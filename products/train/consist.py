@@ -33,6 +33,7 @@ from brake_controller.traction import NO_TRACTION, Traction
 from brake_controller.vacuum_valve import VacuumValve
 from brake_controller.vehicle_brake import FRICTIONS, VehicleBrake, brake_force
 from brake_controller.vehicle_protection import NO_PROTECTION, VehicleProtection
+from products.train.detail import Detail
 from products.train.running_resistance import Formula, formula_of
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.vehicle import GRAVITY, MOTION
@@ -62,6 +63,7 @@ class TrainVehicle:
     leak: effective area of the leaks of its pipe [m2]; branch: volume of its branches [m3]. adhesion: law by its name.
     controller: of its wheel-slide protection: `none`, `built-in`, or a file.
     handle: that of its driver's valve, whose notches have names (drivers_valves.toml); empty: positions alone.
+    detail: the vehicle that is computed in its place.
     """
 
     kind: str
@@ -92,6 +94,7 @@ class TrainVehicle:
     protection: VehicleProtection = NO_PROTECTION
     controller: str = "none"
     handle: str = ""
+    detail: Detail | None = None
 
     def motion(self) -> dict[str, float]:
         """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""

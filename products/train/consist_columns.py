@@ -155,7 +155,9 @@ COUPLING = by_name(
     Quantity("coupler_damping", "1", 0.0, 0.95),
     Quantity("coupler_strength", "kN", 10.0, 10e3),
 )
-NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING | SLIDE | VACUUM
+#: Columns of a vehicle that is computed in detail, with its name.
+DETAIL = by_name(Quantity("level", "1", 1, 3, whole=True), Quantity("contact_model", "1", 1, 3, whole=True))
+NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING | SLIDE | DETAIL | VACUUM
 #: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
 WORDS: dict[str, Collection[str]] = {
     "kind": tuple(KINDS),
@@ -176,8 +178,8 @@ WORDS: dict[str, Collection[str]] = {
 }
 #: Words of another column, and what to write.
 OF_DISTRIBUTOR = {"vacuum": "Write distributor = vacuum."}
-#: Columns of free text, a name, the file of a controller and tables, with their largest numbers of characters.
-TEXTS = {"name": LONGEST_NAME, "protection": 400} | dict.fromkeys(CELL_TABLES, 400)
+#: Columns of free text, a name, files and tables, with their largest numbers of characters.
+TEXTS = {"name": LONGEST_NAME, "protection": 400, "detail": 400} | dict.fromkeys(CELL_TABLES, 400)
 #: Columns of brake sheets that have no effect on a train, with the reason: they are left out, and told.
 IDLE = {
     "number": "numbers of vehicles have no effect",
@@ -195,6 +197,7 @@ NAMES = (
     *COUPLING,
     *("protection", *SLIDE),
     *VACUUM,
+    *("detail", *DETAIL),
 )
 
 

@@ -28,13 +28,13 @@ def read_consist(path: Path) -> Consist:
     if path.suffix.lower() == ".toml":
         rows, couplers = _rows_of_toml(path)
         places = [f"vehicle {number}" for number in range(1, len(rows) + 1)]
-        return _beside(consist_of(rows, str(path), places, couplers), path.parent)
+        return _beside(consist_of(_of_folder(rows, path.parent), str(path), places, couplers), path.parent)
     table = read_table(path, columns(), most_rows=MOST)
     rows = []
     for row in range(table.places.size):
         numbers = {name: float(values[row]) for name, values in table.numbers.items() if not math.isnan(values[row])}
         rows.append({name: values[row] for name, values in table.words.items() if values[row]} | numbers)
-    consist = consist_of(rows, str(path), [f"row {place}" for place in table.places])
+    consist = consist_of(_of_folder(rows, path.parent), str(path), [f"row {place}" for place in table.places])
     return _beside(replace(consist, notes=(*table.meant, *consist.notes)), path.parent)
 
 
@@ -43,6 +43,17 @@ def _beside(consist: Consist, folder: Path) -> Consist:
     named = [(one, one.controller) for one in consist.vehicles]
     vehicles = [replace(one, controller=str(folder / name)) if "." in name else one for one, name in named]
     return replace(consist, vehicles=tuple(vehicles))
+
+
+def _of_folder(rows: list[dict[str, Any]], folder: Path) -> list[dict[str, Any]]:
+    """Return rows whose vehicle files are named from the folder of the consist on."""
+    found = []
+    for row in rows:
+        name = row.get("detail") if isinstance(row, dict) else None
+        if isinstance(name, str) and name.lower().endswith(".toml"):
+            row = row | {"detail": str(folder / name)}
+        found.append(row)
+    return found
 
 
 def _rows_of_toml(path: Path) -> tuple[list[dict[str, Any]], dict[str, Coupler]]:

@@ -16,6 +16,7 @@ from products.train.brake_columns import brake_of, distributor_of, row_of_brake,
 from products.train.consist import EMPTY, KINDS, TrainVehicle, braked_with
 from products.train.consist_columns import COUPLING, FORCE, si, values_of
 from products.train.consist_rules import check_rules
+from products.train.detail_columns import detail_of, row_of_detail
 from products.train.drive_columns import electric_of, row_of_electric, row_of_traction, traction_of
 from products.train.heat_columns import heat_of, row_of_heat
 from products.train.row_statements import FILLED_AS, cut_out, load_of, resolved
@@ -40,6 +41,10 @@ def vehicle_of(
     notes: get messages about names and words that are read as others, and about assumed forces.
     """
     values = cut_out(values_of(row, couplers, notes))
+    detail = detail_of(values)
+    if detail:
+        values = values | detail.columns()
+        notes |= dict.fromkeys([detail.unused[:-1]] if detail.unused else [])
     check_rules(values, values.get("coupler") in couplers)
     values = resolved(values, notes)
     one = replace(_body_of(values), coupler=_coupler_of(values, couplers))
@@ -52,7 +57,7 @@ def vehicle_of(
     one = replace(one, electric=electric_of(values, one.distributor), heat=heat_of(values, one.brake))
     one = replace(one, traction=traction_of(values), adhesion=values.get("adhesion", "input"))
     controller = values.get("protection", NOTHING)
-    one = replace(one, protection=protection_of(values, one.distributor), controller=controller)
+    one = replace(one, protection=protection_of(values, one.distributor), controller=controller, detail=detail)
     one = replace(one, handle=values.get("handle", ""))
     return _with_valve(values, one), values
 
@@ -79,7 +84,9 @@ def row_of(train_vehicle: TrainVehicle) -> Row:
         row["leak"] = 1e3 * (4 / math.pi * train_vehicle.leak / DISCHARGE) ** 0.5
     if train_vehicle.branch:
         row["branch"] = 1e3 * train_vehicle.branch
-    return row | _row_of_coupler(train_vehicle.coupler) | _row_of_valve(train_vehicle)
+    row |= _row_of_coupler(train_vehicle.coupler) | _row_of_valve(train_vehicle)
+    own = train_vehicle.detail.columns() if train_vehicle.detail else {}
+    return {name: value for name, value in row.items() if name not in own} | row_of_detail(train_vehicle.detail)
 
 
 def _body_of(values: Mapping[str, Any]) -> TrainVehicle:

@@ -14,7 +14,7 @@ from brake_controller.distributors.vacuum import OF_VACUUM
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.cell_tables import points_in
 from products.train.consist import EMPTY, EMPTY_UP_TO, PERCENTAGE
-from products.train.consist_columns import COUPLING, FORCE, HEAT, SLIDE, TRACK, TRACTION
+from products.train.consist_columns import COUPLING, DETAIL, FORCE, HEAT, SLIDE, TRACK, TRACTION
 from products.train.row_statements import STATEMENTS, check_mass, check_statements, is_american
 
 Row = Mapping[str, Any]
@@ -254,6 +254,17 @@ RULES: tuple[Rule, ...] = (
         ["service_rate", "exhaust", "exhauster", "ejector", "handle"],
         ["a valve"],
         "{name} must be of a vehicle with a driver's valve. Set valve to head, or leave it out.",
+    ),
+    needs([*DETAIL], ["detail"]),
+    excludes(
+        ["protection"],
+        ["detail"],
+        "{name} must be left out with detail: a controller of a train has one wheel speed. Leave it out.",
+    ),
+    excludes(
+        [*TRACK],
+        ["detail"],
+        "{name} must be left out with detail: the forces of track brakes do not act on such a vehicle. Leave it out.",
     ),
 )
 

@@ -15,6 +15,7 @@ from products.controller_kinds import PUBLIC
 from products.train import layout
 from products.train.consist import Consist, block_train
 from products.train.consist_writer import toml_of_rows
+from products.train.details_fmu import DetailsInC, details_of
 from products.train.imported_consist import consist_from
 from products.train.layout import START_FRICTION, Array
 from products.train.library import FOLDER, own_controllers_in_c, sources
@@ -43,24 +44,27 @@ OUTPUTS = (
 ARRAYS = (*PARAMETERS, *INPUTS, *OUTPUTS)
 
 
-def _places() -> str:
+def _places(arrays: Sequence[ArrayVariable]) -> str:
     first = len(PARAMETERS) + len(INPUTS)
     names = [array.name for array in ARRAYS]
     sums, locked, slip = names.index("largest_tension"), names.index("locked"), names.index("slip")
     return (
         f"enum {{ FIRST_PARAMETER, FIRST_INPUT = {len(PARAMETERS)}, FIRST_OUTPUT = {first}, LOCKED = {locked},"
-        f" SLIP = {slip}, FIRST_SUM = {sums}, ARRAYS_MOST = {len(ARRAYS)} }};\n"
+        f" SLIP = {slip}, FIRST_SUM = {sums}, FIRST_DETAILED = {len(ARRAYS)}, ARRAYS_MOST = {len(arrays)} }};\n"
     )
 
 
-def train_in_c(controllers: Sequence[str] = ()) -> ArraysInC:
-    """The train's object in C with its arrays, and with controllers of users in C. Raises ValueError, OSError."""
-    own = {"train_fmu.c": (FOLDER / "train_fmu.c").read_text(encoding="utf-8"), "train_arrays.h": _places()}
+def train_in_c(controllers: Sequence[str] = (), details: DetailsInC | None = None) -> ArraysInC:
+    """The train's object in C with arrays, vehicles in detail, controllers of users. Raises ValueError, OSError."""
+    files = ("train_fmu.c", *(() if details else ("no_details_fmu.c",)))
+    own = {name: (FOLDER / name).read_text(encoding="utf-8") for name in files}
+    arrays = (*ARRAYS, *(details.arrays() if details else ()))
+    own |= {"train_arrays.h": _places(arrays)} | (details.sources() if details else {})
     about = "A train: brake pipe, distributors, couplers, wheels that roll or slide; driven by its brake valves"
     theirs = {f"own_{n}.c": controller_in_c(text, n) for n, text in enumerate(controllers, 1)}
     own["own_controllers.h"] = own_controllers_in_c(len(theirs))
     foreign = (HEADER, *theirs) if theirs else ()
-    return ArraysInC(NAME, about, ARRAYS, sources() | own | theirs, foreign=foreign)
+    return ArraysInC(NAME, about, arrays, sources() | own | theirs, foreign=foreign, ships=details is None)
 
 
 def controller_in_c(text: str, number: int) -> str:
@@ -95,10 +99,12 @@ def train_fmu(
     starts[names.index("driver_position")] = [1.0, *[0.0] * (valves - 1)]
     starts[names.index("friction")] = [START_FRICTION] * vehicles
     starts[names.index("coupling_closed")] = [1.0] * (vehicles - 1)
+    details = details_of(consist, settings or Settings(), line)
+    extra = details.arrays() if details else ()
+    lengths, starts = lengths + [1] * len(extra), starts + [[0.0]] * len(extra)
     numbers = np.ascontiguousarray(numbers_of(consist, settings or Settings(), line), "<f8")
-    return ArraysFmu(
-        train_in_c(own_files(consist)), lengths, starts, 0.01, 60.0, {"train.bin": numbers.tobytes()}, title
-    )
+    data = {"train.bin": numbers.tobytes()} | (details.data() if details else {})
+    return ArraysFmu(train_in_c(own_files(consist), details), lengths, starts, 0.01, 60.0, data, title)
 
 
 def train_of_files_fmu(
@@ -110,6 +116,8 @@ def train_of_files_fmu(
     """
     own, imported = consist_from(consist) if consist else (block_train(20), None)
     along = read_line(line) if line else None
+    for note in dict.fromkeys(one.detail.unused for one in own.vehicles if one.detail and one.detail.unused):
+        print(note)
     fmu = train_fmu(own, Settings(brake_model=brake_model, cells=cells), along, consist.stem if consist else "")
     if consist and imported:
         print(f"{consist}: {len(imported.assumed)} assumptions; bogie-braking consist import {consist} prints them.")

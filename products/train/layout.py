@@ -82,7 +82,10 @@ _POSITIONS = (
 _STEP = "Step of service: 0 the first, 1 full service"
 _PULL = "Force of motors at the rim; below zero it drives backwards"
 _COUPLED = "Coupling behind each vehicle: 1 coupled once they touch, 0 apart (its hose: joined)"
-_LED = "A vehicle computed in detail elsewhere: 1 its speed is held in a step, 2 corrected before a step, 0 neither"
+_LED = (
+    "A vehicle computed in detail elsewhere: 1 its speed is held in a step, 2 corrected before a step, 0 neither."
+    " Couplers limit the step: docs/train-couplers.md"
+)
 _TRACK = "Share of each vehicle's eddy-current brake; above 0 magnets are lowered; at 0 the pipe alone applies both"
 #: Inputs; ends: forces at the head and at the end.
 INPUTS = (

@@ -165,6 +165,12 @@ def _functions(kinds: tuple[Distributor, ...]) -> ctypes.CDLL:
         "train_air": (pointer, [pointer]),
         "train_control": (ctypes.c_int, [pointer, count, pointer, pointer, ctypes.c_size_t]),
         "train_lacks_controller": (count, [pointer]),
+        "train_detail": (ctypes.c_int, [pointer, count, *[pointer] * 3]),
+        "train_detail_begin": (None, [pointer]),
+        "train_detail_step": (None, [pointer, number]),
+        "train_detail_failed": (count, [pointer]),
+        "train_detail_brake": (block, [pointer, count]),
+        "train_detail_turning": (block, [pointer, count]),
     }
     for name, (result, arguments) in signatures.items():
         function = getattr(library, name)

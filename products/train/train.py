@@ -7,6 +7,7 @@ import hashlib
 import weakref
 from collections.abc import Mapping
 from operator import attrgetter
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,9 +16,11 @@ from numpy.typing import NDArray
 from brake_controller.air import AMBIENT
 from brake_controller.distributors import DISTRIBUTORS, kind_of
 from fmu_src.cosimulation.recording import Recording
+from fmu_src.kernel import Kernel
 from products.controller_kinds import Form, InC
 from products.run_history import RunHistory
 from products.train.consist import Consist
+from products.train.detailed_kernel import compiled, functions_of, kernel_of, outputs_of, variables_in_c
 from products.train.inputs import Inputs, wrong_input
 from products.train.layout import EQUIPMENT, HIGHEST, INITIAL, INPUTS, LOWEST_VACUUM, OF_WHEELS, OUTPUTS, SUMS, Array
 from products.train.library import functions
@@ -180,6 +183,7 @@ class Train:
         self._noted_inputs = {name: array.tobytes() for name, array in self.inputs.items()}
         self._outputs = {name: self._view(self._call.train_output, row) for name, row in OUTPUT.items()}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
+        self._take_details(speed, distance, line)
         self._recorded = _recorded_of(consist)
         self._valves = [(one.valve, one.handle) for one in consist.vehicles if one.valve is not None]
         self._idle = idle_inputs(consist)
@@ -190,6 +194,35 @@ class Train:
         if not count.value:
             return np.empty(0)
         return np.ctypeslib.as_array(found, (count.value,))
+
+    def _take_details(self, speed: float, distance: float, line: Line | None) -> None:
+        """Make the kernels of vehicles in detail, and let them move their vehicles."""
+        vehicles = self.consist.vehicles
+        self._details: dict[int, Kernel] = {}
+        self._kept: list[Any] = []  # tables that the C holds
+        self._detailed_outputs: dict[str, tuple[Kernel, int, str]] = {}
+        for n, vehicle in enumerate(vehicles):
+            if vehicle.detail is None:
+                continue
+            middle = float(self._outputs["distance"][n])
+            kernel = kernel_of(vehicle.detail, vehicle.motion(), speed, line, middle)
+            tables = functions_of(kernel.library), variables_in_c(vehicle.detail, kernel.library.names)
+            if not self._call.train_detail(self._own, n, kernel.handle, *map(ctypes.addressof, tables)):
+                raise MemoryError(f"There is no memory for vehicle {n + 1} in detail; take fewer.")
+            self._kept += tables
+            self._notes += [f"Vehicle {n + 1}: {vehicle.detail.unused}"] if vehicle.detail.unused else []
+            self._mark = hashlib.sha256(self._mark + repr(vehicle.detail.content).encode()).digest()
+            self._details[n + 1] = kernel
+            for one in outputs_of(compiled(vehicle.detail, line is not None)):
+                column = f"vehicle_{n + 1}.{one.name}"
+                self._detailed_outputs[column] = kernel, kernel.number_of(one.name), one.unit
+        self._call.train_detail_step(self._own, self.settings.detail_step)
+        self._call.train_detail_begin(self._own)
+
+    @property
+    def details(self) -> Mapping[int, Kernel]:
+        """Kernels of vehicles in detail by the number of the vehicle from 1: `train.details[7]["axle_load_1"]`."""
+        return MappingProxyType(self._details)
 
     def drive(self, position: str, step: float = 0.0, valve: int = 0, handle: str = "") -> None:
         """Set a driver's valve to a position, or to a notch of its handle.
@@ -251,6 +284,13 @@ class Train:
         self._controllers.check()
         if status == -2:
             raise ValueError(self._wrong_input())
+        for number, kernel in self._details.items():
+            kernel.hear()
+            self._notes += [f"Vehicle {number}: {said}" for said in kernel.messages]
+            kernel.messages.clear()
+        if status == -3:
+            name = f"Vehicle {self._call.train_detail_failed(self._own) + 1}: "
+            raise ValueError([said for said in self._notes if said.startswith(name)][-1])
         if status:
             raise ValueError(f"The train came to no finite state within {time:g} s; look at what was set.")
 
@@ -258,7 +298,10 @@ class Train:
         place = ctypes.c_longlong()
         name = INPUTS[self._call.train_input_wrong(self._own, ctypes.byref(place))].name
         value = float(self.inputs[name][place.value])
-        if name in OF_CONTROLLED and value in (1.0, 2.0) and self.consist.vehicles[place.value].protection.controller:
+        own = self.consist.vehicles[place.value] if name in OF_CONTROLLED else None
+        if own and own.detail and name == "external_vehicle" and value in (1.0, 2.0):
+            return f"inputs['external_vehicle'][{place.value}] must be 0: this train computes that vehicle in detail."
+        if own and value in (1.0, 2.0) and own.protection.controller:
             words = f"vehicle {place.value + 1} has a controller of its own, {OF_CONTROLLED[name]}"
             return f"inputs['{name}'][{place.value}] must be 0: {words}. Reset it, or leave out its protection."
         if name == "hose_state" and value in (1.0, 2.0):
@@ -298,6 +341,7 @@ class Train:
                 f"The interval must be above 0 s, and the time at most {LONGEST:g} s; got {interval} s and {seconds} s."
             )
         units = {"time": "s"} | {name: one.unit for one in self._recorded for name in self._names(one.name)}
+        units |= {name: unit for name, (_, _, unit) in self._detailed_outputs.items()}
         if seconds / interval * len(units) > MOST:
             raise ValueError(
                 f"The interval must be longer; got {interval:g} s, more than {MOST:g} numbers in {seconds:g} s."
@@ -321,7 +365,8 @@ class Train:
         return [f"{output}[{n + 1}]" for n in range(getattr(self, output).size)]
 
     def _row(self) -> NDArray[np.float64]:
-        return np.concatenate([[self.time], *(getattr(self, one.name) for one in self._recorded)])
+        detailed = [kernel.get_number(number) for kernel, number, _ in self._detailed_outputs.values()]
+        return np.concatenate([[self.time], *(getattr(self, one.name) for one in self._recorded), detailed])
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Set what may be set: outputs, inputs and misspelt names would have no effect. Raises AttributeError."""
@@ -425,7 +470,10 @@ class Train:
 
     @motion.setter
     def motion(self, state: NDArray[np.float64]) -> None:
-        """Set positions, speeds and rest positions."""
+        """Set positions, speeds and rest positions. Raises ValueError for another speed of a vehicle in detail."""
+        own = [number - 1 for number in self._details]
+        if not np.array_equal(np.asarray(state)[1:3, own], self.motion[1:3, own]):
+            raise ValueError("The speed of a vehicle in detail must be that of its kernel. Set positions alone there.")
         self._call.train_set_motion(self._own, np.ascontiguousarray(state, float).ctypes.data)
         self._discard_history("its motion was set")
 

@@ -348,9 +348,14 @@ class Line:
         StorageError
             If it cannot be written; an OSError.
         """
-        place, lines = Path(path), self.lines_of([name for name in NAMES if name in self.rows])
-        write_whole(place, ("\n".join(lines) + "\n").encode(), synced=False)
+        place = Path(path)
+        write_whole(place, self.text.encode(), synced=False)
         return place
+
+    @property
+    def text(self) -> str:
+        """Content of that file."""
+        return "\n".join(self.lines_of([name for name in NAMES if name in self.rows])) + "\n"
 
     def lines_of(self, names: Sequence[str]) -> list[str]:
         """Return the lines of that file with only these columns.

@@ -124,6 +124,12 @@ void motion_correct(motion *self, long long int vehicle, double speed, double st
     self->speed[vehicle] = self->wheel[vehicle] = speed;
 }
 
+double motion_frequency(const motion *self, long long int i) {
+    const double *stiffness = self->coupler + COUPLER_STICKING_STIFFNESS * self->stride, *given = self->given + i;
+    const double both = (i > 0 ? stiffness[i - 1] : 0.0) + (i + 1 < self->vehicles ? stiffness[i] : 0.0);
+    return sqrt(both / (given[MOTION_MASS * self->stride] + given[MOTION_ROTATING_MASS * self->stride]));
+}
+
 void motion_begin_mean(motion *self) {
     rows_fill(self->sum, self->stride, 0.0);
     self->summed = 0;
@@ -243,12 +249,24 @@ static void find_speeds(motion *self) {
     rows_copy(self->speed, speed, self->vehicles);
 }
 
+void motion_follow(motion *self, void (*follow)(void *owner, double step), void *owner) {
+    self->follow = follow;
+    self->owner = owner;
+}
+
+void motion_move(motion *self, long long int vehicle, double place, double speed, double wheel) {
+    self->state[vehicle] = place;
+    self->speed[vehicle] = speed;
+    self->wheel[vehicle] = wheel;
+}
+
 void motion_go(motion *self, long long int steps, double step) {
     for (long long int i = 0; i < self->vehicles; ++i) self->step[i] = step;
     for (long long int n = 0; n < steps; ++n) {
         go_ways(self, n ? step : step / 2.0); /* the second half of the previous step, and the first of this one */
         find_forces(self);
         find_speeds(self);
+        if (self->follow) self->follow(self->owner, step);
     }
     go_ways(self, step / 2.0);
 }

@@ -42,6 +42,8 @@ int motion_strength(motion *self, const double *strength);
 int motion_is_broken(const motion *self, long long int coupler);
 /* Number of couplers that have broken since the last call. */
 int motion_broken(motion *self);
+/* Angular frequency of a vehicle between its neighbours, at the sticking stiffness of both couplers [1/s] (Hooke). */
+double motion_frequency(const motion *self, long long int vehicle);
 /* Mean tension in each coupler since the last restart of the mean [N]. */
 void motion_mean(const motion *self, double *force);
 void motion_begin_mean(motion *self);
@@ -52,6 +54,10 @@ void motion_forget(motion *self);
 long long int motion_numbers(const motion *self);
 void motion_save(const motion *self, double *numbers);
 void motion_load(motion *self, const double *numbers);
+/* Lets others move vehicles: `follow` is called after each step, before its last half of displacements, and calls motion_move. */
+void motion_follow(motion *self, void (*follow)(void *owner, double step), void *owner);
+/* Sets position [m], speed and speed of the wheels [m/s] of a vehicle. */
+void motion_move(motion *self, long long int vehicle, double place, double speed, double wheel);
 /* Advances by this number of steps. */
 void motion_go(motion *self, long long int steps, double step);
 /* True if all numbers of the state are finite. */

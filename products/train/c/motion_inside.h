@@ -18,6 +18,8 @@ struct motion {
     int broken; /* since the last look */
     double extremes[4];
     long long int summed;
+    void (*follow)(void *owner, double step); /* NULL: no other model moves a vehicle */
+    void *owner;
 };
 
 #define MOTION_LOOPS(lanes)                                                                                                    \

@@ -5,11 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "detail.h"
 #include "rows.h"
 #include "train_inside.h"
 
 /* Brakes and line are constant during a step. It is as long as waves in the pipe allow, within these limits [s]; assumed. */
 static const double SHORTEST = 0.01, LONGEST = 0.1;
+/* Largest steps of hosts that couple a vehicle, times its frequency between its neighbours [1] (docs/train-couplers.md). They are
+ * below the limits of stability of a coach: 1.53 to 1.81, and 0.55 to 1.76, at 50 to 1000 MN/m. */
+static const double HELD = 1.0, CORRECTED = 0.5;
 /* Rows of results: of electric brakes, of heat. */
 enum { BLENDED_ROWS = 4, WARM_ROWS = 1 + 2 * HEATED_ROWS };
 
@@ -178,6 +182,7 @@ void train_free(train *self) {
     extra_free(self->extra);
     drive_free(self->drive);
     protection_free(self->slide);
+    detail_free(self->detail);
     free(self->rows);
     free(self->numbers);
     free(self->cell);
@@ -290,6 +295,7 @@ static void find_brakes(train *self, double step) {
 static void find_forces(train *self) {
     rows_copy(self->output[OUT_BRAKE_FORCE], self->held, self->vehicles);
     rows_copy(self->output[OUT_RAIL_FORCE], motion_rail(self->moves), self->vehicles);
+    detail_forces(self);
 }
 
 /* Temperatures of the surfaces that are rubbed. */
@@ -318,6 +324,7 @@ static void find_outputs(train *self) {
     rows_copy(self->output[OUT_TRACK_BRAKE_FORCE], extra_run(self) + 3 * self->vehicles, self->vehicles);
     drive_outputs(self);
     protection_outputs(self);
+    detail_outputs(self);
     motion_force_now(self->moves, self->output[OUT_COUPLER_FORCE]);
     motion_mean(self->moves, self->output[OUT_MEAN_COUPLER_FORCE]);
     pipe_pressures(self->air, self->output[OUT_PIPE_PRESSURE], self->output[OUT_CYLINDER_PRESSURE]);
@@ -342,6 +349,7 @@ void train_begin(train *self, double time, double speed, double distance, double
     begin_inputs(self);
     begin_air(self, pressure, cylinder);
     begin_motion(self, speed, distance);
+    detail_forget(self);
     fill(self->run, runs(self), 0.0);
     self->run[RUN_TIME] = time;
     self->run[RUN_TOLD] = floor(time / HISTORY_STEP);
@@ -363,6 +371,18 @@ void train_begin(train *self, double time, double speed, double distance, double
     find_forces(self);
     fill(self->output[OUT_RAIL_FORCE], self->vehicles, 0.0);
     find_outputs(self);
+}
+
+double train_longest(const train *self, long long int *vehicle) {
+    double most = INFINITY;
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        const double led = self->input[IN_EXTERNAL_VEHICLE][i];
+        if (led == 0.0) continue;
+        const double own = (led == EXTERNAL_VEHICLE_HELD ? HELD : CORRECTED) / motion_frequency(self->moves, i);
+        if (own < most) *vehicle = i;
+        most = fmin(most, own);
+    }
+    return most;
 }
 
 /* Vehicles that are simulated in detail elsewhere. */
@@ -435,23 +455,31 @@ static int outputs_finite(const train *self) {
     return finite;
 }
 
+/* Return the next step of a time that is left; 0: too short. */
+static double next_step(const train *self, double left) {
+    const double most =
+        left <= SHORTEST ? SHORTEST : fmin(fmax(pipe_longest(self->air, self->head[HEAD_COURANT]), SHORTEST), LONGEST);
+    const double count = ceil(left / most * (1.0 - 1e-12));
+    return !(count < 1e9) ? 0.0 : count > 1.0 ? left / count : left;
+}
+
 int train_go(train *self, double time) {
     const double begin = self->run[RUN_TIME];
     long long int wrong;
     if (train_input_wrong(self, &wrong) >= 0) return -2;
     train_save(self, self->saved);
+    detail_try(self);
     take_inputs(self);
     for (double left = time; left > 0.0;) {
+        int last = 0;
         const double span = fmin(left, protection_sample(self, self->run[RUN_TIME]));
-        const double most =
-            span <= SHORTEST ? SHORTEST : fmin(fmax(pipe_longest(self->air, self->head[HEAD_COURANT]), SHORTEST), LONGEST);
-        const double count = ceil(span / most * (1.0 - 1e-12));
-        const double step = count > 1.0 ? span / count : span;
-        if (!(count < 1e9) || !step_on(self, step)) {
+        const double step = self->detail ? detail_step(self, span, &last) : next_step(self, span);
+        if (!(step > 0.0) || !step_on(self, step)) {
+            const int refused = train_detail_failed(self) >= 0;
             train_load(self, self->saved);
-            return -1;
+            return refused ? -3 : -1;
         }
-        left = step < left ? left - step : 0.0;
+        left = step < left && !(last && span == left) ? left - step : 0.0;
         self->run[RUN_TIME] = begin + (time - left);
     }
     if (time > 0.0) self->run[RUN_STEP] = time;
@@ -476,7 +504,7 @@ const double *train_output(const train *self, int row, long long int *count) {
 
 long long int train_numbers(const train *self) {
     return pipe_numbers(self->air) + motion_numbers(self->moves) + 2 * self->inputs + runs(self) + 2 * self->vehicles +
-           protection_numbers(self);
+           protection_numbers(self) + detail_numbers(self);
 }
 
 void train_save(const train *self, double *numbers) {
@@ -485,8 +513,9 @@ void train_save(const train *self, double *numbers) {
     rows_copy(numbers += motion_numbers(self->moves), self->input[0], 2 * self->inputs);
     rows_copy(numbers += 2 * self->inputs, self->run, runs(self));
     rows_copy(numbers += runs(self), self->output[OUT_BRAKE_FORCE], self->vehicles);
-    rows_copy(numbers + self->vehicles, self->output[OUT_RAIL_FORCE], self->vehicles);
-    protection_save(self, numbers + 2 * self->vehicles);
+    rows_copy(numbers += self->vehicles, self->output[OUT_RAIL_FORCE], self->vehicles);
+    protection_save(self, numbers += self->vehicles);
+    detail_save(self, numbers + protection_numbers(self));
 }
 
 void train_load(train *self, const double *numbers) {
@@ -495,8 +524,9 @@ void train_load(train *self, const double *numbers) {
     rows_copy(self->input[0], numbers += motion_numbers(self->moves), 2 * self->inputs);
     rows_copy(self->run, numbers += 2 * self->inputs, runs(self));
     rows_copy(self->output[OUT_BRAKE_FORCE], numbers += runs(self), self->vehicles);
-    rows_copy(self->output[OUT_RAIL_FORCE], numbers + self->vehicles, self->vehicles);
-    protection_load(self, numbers + 2 * self->vehicles);
+    rows_copy(self->output[OUT_RAIL_FORCE], numbers += self->vehicles, self->vehicles);
+    protection_load(self, numbers += self->vehicles);
+    detail_load(self, numbers + protection_numbers(self));
     put_joints(self);
     find_outputs(self);
 }
@@ -507,6 +537,7 @@ void train_steps(const train *self, long long int *steps) { memcpy(steps, self->
 void train_motion(const train *self, double *state) { motion_get(self->moves, state); }
 
 void train_set_motion(train *self, const double *state) {
-    motion_put(self->moves, state);
+    if (state) motion_put(self->moves, state);
+    detail_settle(self);
     find_outputs(self);
 }

@@ -35,8 +35,11 @@ TRAIN_SHOWN int train_control(train *self, long long int vehicle, void (*start)(
 TRAIN_SHOWN long long int train_lacks_controller(const train *self);
 TRAIN_SHOWN double *train_input(train *self, int row, long long int *count);
 TRAIN_SHOWN const double *train_output(const train *self, int row, long long int *count);
-/* Advances by a time [s]. Returns 0; -1 if the result is not finite, -2 if an input is invalid; the train is unchanged then. */
+/* Advances by a time [s]. Returns 0; -1 if the result is not finite, -2 if an input is invalid, -3 if a
+ * vehicle in detail refused the step (detail.h); the train is unchanged then. */
 TRAIN_SHOWN int train_go(train *self, double time);
+/* Longest step of a host that couples vehicles by the input external_vehicle [s], and the vehicle that limits it. */
+TRAIN_SHOWN double train_longest(const train *self, long long int *vehicle);
 /* Row and element of an input beyond its limits, or not possible without a face of the pipe after a vehicle; -1: all are
  * valid. */
 TRAIN_SHOWN int train_input_wrong(const train *self, long long int *element);

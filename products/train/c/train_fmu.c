@@ -5,12 +5,15 @@
 #include <string.h>
 
 #include "arrays.h"
+#include "detail.h"
+#include "details_fmu.h"
 #include "duration.h"
 #include "train.h"
 #include "train_arrays.h"
 
 struct arrays_object {
     train *own;
+    fmu_details *details; /* NULL: no vehicle is in detail */
     double *values; /* of all arrays, one after the other */
     double *locked; /* of each vehicle before a step, then the states of its protection */
     size_t place[ARRAYS_MOST + 1];
@@ -25,11 +28,12 @@ static size_t length_of(train *own, int array) {
     return (size_t)count;
 }
 
-static arrays_object *create(const double *numbers, long long int count) {
+static arrays_object *create(const double *numbers, long long int count, const char *folder, char problem[MESSAGE_SIZE]) {
     arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
     if (self) self->own = train_create(numbers, count);
-    if (self && self->own) {
-        self->mark = arrays_mark_of(numbers, (size_t)count);
+    if (self && self->own) self->details = details_create(folder, self->own, problem);
+    if (self && self->own && !*problem) {
+        self->mark = arrays_mark_of(numbers, (size_t)count) ^ details_mark(self->details);
         for (unsigned n = 0; n < ARRAYS; ++n) self->place[n + 1] = self->place[n] + length_of(self->own, (int)n);
         self->values = (double *)calloc(self->place[ARRAYS], sizeof(double));
         self->locked = (double *)calloc(2 * length_of(self->own, LOCKED), sizeof(double));
@@ -41,15 +45,16 @@ static arrays_object *create(const double *numbers, long long int count) {
 
 arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE]) {
     size_t count = 0;
+    *problem = '\0';
     double *numbers = arrays_read(folder, "train.bin", &count, problem);
     if (!numbers) return NULL;
     const char *wrong = train_wrong(numbers, (long long int)count);
-    arrays_object *self = wrong ? NULL : create(numbers, (long long int)count);
+    arrays_object *self = wrong ? NULL : create(numbers, (long long int)count, folder, problem);
     if (wrong)
         print_text(problem, MESSAGE_SIZE, "The consist %.200s/train.bin is damaged, %s cannot be; build the FMU again.", folder,
                    wrong);
-    else if (!self) print_text(problem, MESSAGE_SIZE, "There is no memory for the train.");
-    else if (train_lacks_controller(self->own) >= 0) {
+    else if (!self && !*problem) print_text(problem, MESSAGE_SIZE, "There is no memory for the train.");
+    else if (self && train_lacks_controller(self->own) >= 0) {
         print_text(problem, MESSAGE_SIZE, "The controller of vehicle %lld is not in this binary; build the FMU again.",
                    train_lacks_controller(self->own) + 1);
         arrays_free(self);
@@ -62,6 +67,7 @@ arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE]) {
 void arrays_free(arrays_object *self) {
     if (!self) return;
     train_free(self->own);
+    details_free(self->details);
     free(self->values);
     free(self->locked);
     free(self);
@@ -98,6 +104,7 @@ static void find_outputs(arrays_object *self) {
     }
     const double *sums = train_output(self->own, OUT_SUMS, &count);
     for (int n = SUM_LARGEST_TENSION; n < TRAIN_SUMS; ++n) *values_of(self, FIRST_SUM + n - SUM_LARGEST_TENSION) = sums[n];
+    if (self->details) details_outputs(self->details, values_of(self, FIRST_DETAILED));
 }
 
 void arrays_reset(arrays_object *self) {
@@ -116,6 +123,7 @@ void arrays_start(arrays_object *self, double time) {
     const double *given = values_of(self, FIRST_PARAMETER); /* speed, distance, pressures of pipe and cylinders */
     train_begin(self->own, time, given[0], given[1], given[2] + AMBIENT, given[3] + AMBIENT);
     put_inputs(self);
+    if (self->details) details_start(self->details, self->own, time, given[0], given[1]);
     find_outputs(self);
 }
 
@@ -150,6 +158,8 @@ static void say_failed(const arrays_object *self, const double *before, double t
 static void say_wrong(const arrays_object *self, int input, long long int element, char problem[MESSAGE_SIZE]) {
     const char *why = input == IN_DRIVER_POSITION    ? "Service is by wire: it must be from 0 to 4."
                       : input == IN_PROTECTION       ? "This vehicle has a controller of its own: leave the input at 0."
+                      : input == IN_EXTERNAL_VEHICLE && train_detail_turning(self->own, element)
+                          ? "This train computes the vehicle in detail: leave the input at 0."
                       : input == IN_EXTERNAL_VEHICLE ? "The sensor of its protection would show no slip: build it without."
                                                      : "A cell of the pipe that spans vehicles has no cock and no hose.";
     print_text(problem, MESSAGE_SIZE, "%s[%lld] must be possible at its place; got %g. %s",
@@ -172,6 +182,7 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
         print_text(problem, MESSAGE_SIZE, "%s. Set it before the run.", pressure);
         return KERNEL_ERROR;
     }
+    if (details_refused(self->details, problem)) return KERNEL_ERROR;
     put_inputs(self);
     long long int element;
     const int wrong = train_input_wrong(self->own, &element);
@@ -179,7 +190,19 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
         say_wrong(self, wrong, element, problem);
         return KERNEL_DISCARD;
     }
-    if (train_go(self->own, step)) {
+    const double most = train_longest(self->own, &element);
+    if (step > most) {
+        print_text(
+            problem, MESSAGE_SIZE,
+            "A step with external_vehicle[%lld] = %g must be at most %.3g s; got %g s. Take a shorter step, or build the "
+            "train with this vehicle in detail, which takes any step.",
+            element + 1, values_of(self, FIRST_INPUT + IN_EXTERNAL_VEHICLE)[element], most, step);
+        return KERNEL_DISCARD;
+    }
+    const int status = train_go(self->own, step);
+    details_hear(self->details, problem);
+    if (status == -3) return KERNEL_DISCARD;
+    if (status) {
         print_text(problem, MESSAGE_SIZE,
                    "The step of %g s at %g s has no finite solution. The train stays at its start. Check the inputs, or take "
                    "a shorter step.",
@@ -190,8 +213,13 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
     memcpy(self->locked, values_of(self, LOCKED), vehicles * sizeof(double));
     memcpy(self->locked + vehicles, values_of(self, FIRST_OUTPUT + OUT_PROTECTION_STATE), vehicles * sizeof(double));
     find_outputs(self);
-    say_locked(self, self->locked, time + step, problem);
-    say_failed(self, self->locked + vehicles, time + step, problem);
+    char said[2][MESSAGE_SIZE] = {"", ""};
+    say_locked(self, self->locked, time + step, said[0]);
+    say_failed(self, self->locked + vehicles, time + step, said[1]);
+    for (int n = 0; n < 2; ++n) {
+        const size_t length = strlen(problem);
+        if (*said[n]) print_text(problem + length, MESSAGE_SIZE - length, "%s%s", length ? " " : "", said[n]);
+    }
     return KERNEL_OK;
 }
 

@@ -15,6 +15,7 @@ enum { RUN_TIME, RUN_TOLD, RUN_STEP, RUN_SUMS, RUN_VALVES = RUN_SUMS + TRAIN_SUM
 
 typedef struct extra_brakes extra_brakes;
 typedef struct drives drives;
+typedef struct details details;
 
 struct train {
     long long int counts[LAYOUT_OWNERS], vehicles, cells, valves, points, stride;
@@ -32,6 +33,7 @@ struct train {
     int works; /* the work of its brakes is summed */
     int blends; /* a vehicle has an electric command or an electric brake */
     extra_brakes *extra; /* NULL: no vehicle has a track brake or a parking brake */
+    details *detail; /* NULL: no vehicle is computed in detail */
     drives *drive; /* NULL: no vehicle has motors, or adhesion that falls over its speed */
     protections *slide; /* NULL: no vehicle has a wheel-slide protection */
     double *mass, *centre, *length;
@@ -119,5 +121,22 @@ long long int drive_go(train *self, long long int count, double step);
 /* Adds the work that electric brakes take while the rims go a way, and writes outputs. */
 void drive_brake(train *self, const double *way);
 void drive_outputs(train *self);
+
+/* Vehicles in detail (detail.c). Their part of outputs of the state and of forces, and of a saved state. */
+void detail_free(details *self);
+int detail_moves(const train *self, long long int vehicle);
+void detail_outputs(train *self);
+void detail_forces(train *self);
+long long int detail_numbers(const train *self);
+void detail_save(const train *self, double *numbers);
+void detail_load(train *self, const double *numbers);
+/* Continues from positions that were set. */
+void detail_settle(train *self);
+/* Kernels that refused a step try again. */
+void detail_try(train *self);
+/* A run begins, whose kernels have not been initialised. */
+void detail_forget(train *self);
+/* Advances the train's own clock by the next step, which is returned: to its grid, or over the time that is left (`last`). */
+double detail_step(const train *self, double left, int *last);
 
 #endif

@@ -15,7 +15,10 @@ from products.train.fmu import train_fmu
 from products.train.train import Train
 from rbd_model.train.coupler import screw_coupler
 from scenarios.bench.mixed_train import (
+    MASS,
+    NEUTRAL,
     PLACE,
+    ROTATING,
     SPEED,
     boundary,
     consist_of,
@@ -77,7 +80,7 @@ def test_fmus_coupled_by_the_master_give_the_numbers_of_one_process(tmp_path: Pa
 
 
 @pytest.mark.study
-@pytest.mark.parametrize("way", ["held", "extrapolated"])
+@pytest.mark.parametrize("way", ["held", "corrected"])
 def test_the_largest_stable_step_is_that_of_paper(way: str) -> None:
     stiffness, vehicle = 198e6, linear_vehicle(1)
     paper = boundary(way, stiffness, vehicle)
@@ -86,10 +89,13 @@ def test_the_largest_stable_step_is_that_of_paper(way: str) -> None:
     assert boundary(way, stiffness / 20, vehicle) == pytest.approx(paper * 20**0.5, rel=0.02)
 
 
-def test_values_of_the_step_before_grow_at_any_step() -> None:
-    vehicle = linear_vehicle(1)
-    assert growth("jacobi", 1e-3, 198e6, vehicle) > 1.001
-    assert growth("held", 1e-3, 198e6, vehicle) < 1.0 + 1e-6
+@pytest.mark.parametrize("level", [1, 2])
+@pytest.mark.parametrize("stiffness", [50e6, 198e6, 1e9])
+def test_steps_that_the_fmu_takes_are_stable(level: int, stiffness: float) -> None:
+    """The FMU refuses steps beyond 1 / omega with a held speed and half of it with a corrected copy."""
+    vehicle, omega = linear_vehicle(level), (2 * stiffness / MASS / (1 + ROTATING)) ** 0.5
+    for way, share in (("held", 1.0), ("corrected", 0.5)):
+        assert growth(way, share / omega, stiffness, vehicle) < 1.0 + NEUTRAL
 
 
 @pytest.mark.study
