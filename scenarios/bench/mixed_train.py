@@ -1,7 +1,7 @@
-"""A train with one vehicle in detail: the methods of coupling both, and the predicted stability limit of each.
+"""A train and one vehicle in detail: as one system, or coupled by a host, with the predicted stability limits of that.
 
-In each macro step the train is computed first, with the vehicle's speed, and returns the coupler forces; the vehicle
-follows.
+In each macro step of a host the train is computed first, with the vehicle's speed, and returns the coupler forces; the
+vehicle follows.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from fmu_src.kernel import Kernel, SimulationError
 from products.coach import COACH, NUMBERS, brakes
 from products.kernel_runs import prepare, system_of
 from products.train.consist import Consist, coach, locomotive
+from products.train.detail_columns import detail_of
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.train.coupler import Coupler, Curve, rigid
@@ -28,21 +29,23 @@ ROTATING = 4 * COACH.wheelset_pitch_inertia / COACH.wheel_radius**2 / MASS
 PLACE, VEHICLES, SPEED = 5, 12, 27.78
 #: Speed of the body to which the couplers are attached, by level.
 PULLED = {1: "state_speed", 2: "state_body_speed"}
-#: Methods. With 'held' the vehicle's speed is constant in a macro step. 'mean' is the same with the mean force of the
-#: step. 'extrapolated' continues the speed as in the step before. With 'jacobi' both sides take values of the step
-#: before. With 'corrected' the train contains a vehicle of the same mass, corrected by the detailed one's speed.
-WAYS = ("held", "mean", "extrapolated", "jacobi", "corrected")
+#: Methods of a host, by the values of the input external_vehicle. With 'held' the vehicle's speed is constant in a
+#: macro step. With 'corrected' the train contains a vehicle of the same mass, corrected by the detailed one's speed.
+WAYS = {"held": 1.0, "corrected": 2.0}
 #: Margin above 1 for eigenvalues of the train's free position and speed.
 NEUTRAL = 1e-6
 SPEED_AT = VEHICLES + PLACE
 Matrix = NDArray[np.float64]
 
 
-def consist_of(coupler: Coupler) -> Consist:
-    """Return a locomotive and coaches with the mass of the detailed one."""
+def consist_of(coupler: Coupler, level: int = 0, *places: int) -> Consist:
+    """Return a locomotive and coaches of one mass; at these places, or at PLACE, in detail of a level (0: none)."""
+    detail = detail_of({"detail": "coach", "level": level}) if level else None
     own = replace(coach(), mass=MASS, rotating_share=ROTATING, resistance=(0.0, 0.0, 0.0), coupler=coupler, length=20.0)
     head = replace(locomotive(), coupler=coupler, resistance=(0.0, 0.0, 0.0))
-    return Consist((head, *[own] * (VEHICLES - 1)))
+    vehicles = (head, *[own] * (VEHICLES - 1))
+    there = places or (PLACE,)
+    return Consist(tuple(replace(one, detail=detail) if n in there else one for n, one in enumerate(vehicles)))
 
 
 @dataclass
@@ -56,24 +59,15 @@ class MixedTrain:
 
     def __post_init__(self) -> None:
         self.forces: list[Matrix] = []
-        self._before = self.vehicle[PULLED[self.level]]
-
-    def _led_speed(self) -> float:
-        now = self.vehicle[PULLED[self.level]]
-        gained, self._before = now - self._before, now
-        return now + gained / 2 if self.way == "extrapolated" else now
 
     def step(self, size: float) -> None:
         """Advance by one macro step [s]."""
         train = self.train
-        train.inputs["external_vehicle"][PLACE] = 2.0 if self.way == "corrected" else 1.0
-        train.inputs["external_vehicle_speed"][PLACE] = self._led_speed()
-        forces = train.coupler_force
-        brake = train.brake_force[PLACE]
+        train.inputs["external_vehicle"][PLACE] = WAYS[self.way]
+        train.inputs["external_vehicle_speed"][PLACE] = self.vehicle[PULLED[self.level]]
         train.advance(size)
-        if self.way != "jacobi":
-            forces = train.mean_coupler_force if self.way in ("mean", "corrected") else train.coupler_force
-            brake = train.brake_force[PLACE]
+        forces = train.mean_coupler_force if self.way == "corrected" else train.coupler_force
+        brake = train.brake_force[PLACE]
         own = {"coupler_force_front": forces[PLACE - 1], "coupler_force_rear": -forces[PLACE]}
         self.vehicle.set(**own, **brakes(brake * COACH.wheel_radius / len(NUMBERS)))
         self.vehicle.advance(size)
@@ -161,24 +155,18 @@ def growth(way: str, size: float, stiffness: float, vehicle: Linear) -> float:
     both = expm(size * np.block([[chain, np.zeros((n, n))], [np.eye(n), np.zeros((n, n))]]))
     train, mean = both[:n, :n], both[n:, :n] / size
     ends = _ends(stiffness)
-    # State: train, vehicle, and its pulled speed one step before.
-    give = np.zeros((n, n + m + 1))
+    give = np.zeros((n, n + m))  # state: train and vehicle
     give[:, :n] = np.eye(n)
     give[SPEED_AT, :n] = 0.0
-    give[SPEED_AT, n : n + m] = vehicle.c * (1.5 if way == "extrapolated" else 1.0)
-    give[SPEED_AT, n + m] = -0.5 if way == "extrapolated" else 0.0
+    give[SPEED_AT, n:] = vehicle.c
     if way == "corrected":  # it is at the place to which the corrected speed has moved it
-        give[PLACE, n : n + m] = size / 2 * vehicle.c
+        give[PLACE, n:] = size / 2 * vehicle.c
         give[PLACE, SPEED_AT] = -size / 2
     after = train @ give
-    force = {"mean": ends @ mean @ give, "corrected": ends @ mean @ give, "jacobi": ends @ np.eye(n, n + m + 1)}
-    pulled = force.get(way, ends @ after)
-    follow = np.zeros((m, n + m + 1))
-    follow[:, n : n + m] = own
-    follow += driven @ np.atleast_2d(pulled)
-    last = np.zeros((1, n + m + 1))
-    last[0, n : n + m] = vehicle.c
-    whole = np.vstack([after, follow, last])
+    pulled = ends @ (mean @ give if way == "corrected" else after)
+    follow = driven @ np.atleast_2d(pulled)
+    follow[:, n:] += own
+    whole = np.vstack([after, follow])
     return float(np.abs(np.linalg.eigvals(whole)).max())
 
 
