@@ -156,8 +156,8 @@ static void say_failed(const arrays_object *self, const double *before, double t
 
 /* Write what is wrong with an element of an input. */
 static void say_wrong(const arrays_object *self, int input, long long int element, char problem[MESSAGE_SIZE]) {
-    const char *why = input == IN_DRIVER_POSITION    ? "Service is by wire: it must be from 0 to 4."
-                      : input == IN_PROTECTION       ? "This vehicle has a controller of its own: leave the input at 0."
+    const char *why = input == IN_DRIVER_POSITION ? "Service is by wire: it must be from 0 to 4."
+                      : input == IN_PROTECTION    ? "This vehicle has a controller of its own: leave the input at 0."
                       : input == IN_EXTERNAL_VEHICLE && train_detail_turning(self->own, element)
                           ? "This train computes the vehicle in detail: leave the input at 0."
                       : input == IN_EXTERNAL_VEHICLE ? "The sensor of its protection would show no slip: build it without."
