@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 from brake_controller.air import AMBIENT, DISCHARGE, WALL
+from brake_controller.main_reservoir import CONSTANT_SUPPLY
 from fmu_src.system import ParameterSet, quantity
 from fmu_src.variables import Field
 
@@ -52,7 +53,7 @@ class DriversValve(ParameterSet):
     exhaust_area: float = quantity("m2", "Geometric area through which it lets air out", 0.0)
     emergency_area: float = quantity("m2", "Geometric area in an emergency", 0.0)
     band: float = quantity("Pa", "Difference at which the relay is open as far as it goes", 1.0)
-    supply: float = quantity("Pa", "Pressure of the main reservoir, which stays", 0.0)
+    supply: float = quantity("Pa", "Pressure of its supply, which stays unless the vehicle has a main reservoir", 0.0)
     running: float = quantity("Pa", "Pressure of the pipe when brakes are released", 0.0)
     overcharge: float = quantity("Pa", "Pressure of the pipe in overcharge", 0.0)
     first_step: float = quantity("Pa", "Fall of the pipe at the first step of service", 0.0)
@@ -104,7 +105,7 @@ def drivers_valve() -> DriversValve:
         exhaust_area=math.pi / 4 * 0.010**2,
         emergency_area=math.pi / 4 * (0.026**2 - 0.008**2),
         band=10e3,
-        supply=800e3,
+        supply=CONSTANT_SUPPLY,
         running=500e3,
         overcharge=540e3,
         first_step=40e3,

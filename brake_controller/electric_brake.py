@@ -20,8 +20,9 @@ DEMANDED = ("demanded", "dynamic", "before", "step")
 
 #: Blending of air with the electric brake of a vehicle by wire, by names in consists. Air fills what the electric brake
 #: lacks. Or both add, each with the whole demand. Or a valve keeps air out above a speed. OpenBVE has these three.
-FILLS, ADDS, CLOSES = range(3)
-BLENDINGS = {"fills": FILLS, "adds": ADDS, "closes": CLOSES}
+#: With a brake by the pipe both add, or the interlock of locomotives bails the air off while the electric brake acts.
+FILLS, ADDS, CLOSES, INTERLOCK = range(4)
+BLENDINGS = {"fills": FILLS, "adds": ADDS, "closes": CLOSES, "interlock": INTERLOCK}
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,10 @@ class ElectricBrake(OverSpeed):
     dynamic_power: float = quantity("W", "Largest power of the electric brake at the rims", 0.0, NO_LIMIT)
     dynamic_fade: float = quantity("m/s", "Speed below which the electric brake fades out linearly", 0.0)
     dynamic_rise: float = quantity("s", "Time of the electric brake's rise to its largest force, and of its fall", 0.0)
-    blending: float = choice("Air with the electric brake", {FILLS: "it fills", ADDS: "both add", CLOSES: "it is shut"})
+    blending: float = choice(
+        "Air with the electric brake",
+        {FILLS: "it fills", ADDS: "both add", CLOSES: "it is shut", INTERLOCK: "it is bailed off"},
+    )
     blending_speed: float = quantity("m/s", "Speed above which air is shut out with blending 2", 0.0)
 
 

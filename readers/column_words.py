@@ -164,6 +164,11 @@ COLUMN_WORDS: dict[str, Words] = {
     "protection": (("Gleitschutz",), ("antienrayeur",)),
     "sample_time": (("Abtastzeit",), ("période d'échantillonnage",)),
     "parking_force": (("Feststellbremskraft",), ("effort de frein de stationnement",)),
+    "main_reservoir": (("Hauptluftbehälter",), ("réservoir principal",)),
+    "compressor": (("Liefermenge des Kompressors",), ("débit du compresseur",)),
+    "cut_in": (("Einschaltdruck",), ("pression d'enclenchement",)),
+    "cut_out": (("Ausschaltdruck",), ("pression de déclenchement",)),
+    "direct_pressure": (("Druck der Zusatzbremse",), ("pression du frein direct",)),
     # Couplers
     "coupler": (("Kupplung",), ("attelage",)),
     "coupler_stiffness": (("Kupplungssteifigkeit",), ("raideur d'attelage",)),

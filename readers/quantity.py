@@ -23,7 +23,7 @@ SCALE = {
     **dict.fromkeys(("t", "kN", "kW"), 1e3),
     **dict.fromkeys(("bar", "bar/s"), 1e5),
     **dict.fromkeys(("mm", "l", "ms"), 1e-3),
-    **{"m3/min": 1 / 60, "MN/m": 1e6, "%": 1e-2, "km/h": 1 / 3.6},
+    **{"m3/min": 1 / 60, "MN/m": 1e6, "%": 1e-2, "km/h": 1 / 3.6, "l/min": 1e-3 / 60.0},
 }
 
 

@@ -1,6 +1,7 @@
 """A direct electro-pneumatic brake: an electric command fills and empties the cylinder, the pipe does not.
 
-The air comes from a main reservoir that stays full, and not from the pipe.
+The air comes from a main reservoir that stays full (that of `main_reservoir.py` does not supply it), and not from the
+pipe.
 """
 
 from __future__ import annotations

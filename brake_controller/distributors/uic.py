@@ -113,11 +113,19 @@ def flow_of_a_metre(pressure: float, behind: float) -> float:
 def filling_choke(p: UicDistributor, time: float) -> float:
     """Return the diameter [m] with which a cylinder reaches 95 % in a time [s] (UIC 540), from a constant 5 bar.
 
-    Isothermal: t = V / (R T) int dp / (G of a metre) / d^2. The in-shot is omitted, because it fills its share at once.
+    Isothermal. The in-shot is omitted, because it fills its share at once.
     """
-    supply, full = 500e3 + AMBIENT, p.full_pressure
-    integral = quad(lambda x: 1.0 / flow_of_a_metre(supply, x + AMBIENT), p.inshot, 0.95 * full, limit=200)[0]
-    return float((p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / time) ** 0.5)
+    return float((filled(p.cylinder_volume, p.inshot, 0.95 * p.full_pressure, CHARGED) / time) ** 0.5)
+
+
+def filled(volume: float, begin: float, end: float, supply: float) -> float:
+    """Return the time [s] in which a volume [m3] fills between gauge pressures [Pa] through a choke of 1 m, isothermal.
+
+    The supply has a constant gauge pressure [Pa]. The time, t = V / (R T) int dp / G, is inverse to the square of the
+    choke (ISO 6358-1).
+    """
+    integral = quad(lambda x: 1.0 / flow_of_a_metre(supply + AMBIENT, x + AMBIENT), begin, end, limit=200)[0]
+    return float(volume / (GAS_CONSTANT * WALL) * integral)
 
 
 def release_choke(p: UicDistributor, time: float) -> float:

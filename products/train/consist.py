@@ -22,17 +22,20 @@ from brake_controller.brake_weight import (
     percentage_of_vehicle,
     train_percentage,
 )
+from brake_controller.direct_brake import NO_DIRECT_BRAKE, DirectBrake
 from brake_controller.distributors.aar import FreightCar
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.uic import freight
 from brake_controller.drivers_valve import DriversValve, drivers_valve
 from brake_controller.electric_brake import NO_ELECTRIC_BRAKE, ElectricBrake
+from brake_controller.main_reservoir import NO_MAIN_RESERVOIR, MainReservoir
 from brake_controller.parking_brake import NO_PARKING_BRAKE, ParkingBrake
 from brake_controller.track_brakes import NO_TRACK_BRAKES, TrackBrakes
 from brake_controller.traction import NO_TRACTION, Traction
 from brake_controller.vacuum_valve import VacuumValve
 from brake_controller.vehicle_brake import FRICTIONS, VehicleBrake, brake_force
 from brake_controller.vehicle_protection import NO_PROTECTION, VehicleProtection
+from brake_controller.vigilance import NO_VIGILANCE, Vigilance
 from products.train.detail import Detail
 from products.train.running_resistance import Formula, formula_of
 from rbd_model.train.coupler import Coupler, screw_coupler
@@ -95,6 +98,9 @@ class TrainVehicle:
     controller: str = "none"
     handle: str = ""
     detail: Detail | None = None
+    direct: DirectBrake = NO_DIRECT_BRAKE
+    main_reservoir: MainReservoir = NO_MAIN_RESERVOIR
+    vigilance: Vigilance = NO_VIGILANCE
 
     def motion(self) -> dict[str, float]:
         """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""

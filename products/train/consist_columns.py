@@ -17,6 +17,7 @@ from brake_controller.distributors.aar import RETAINERS
 from brake_controller.electric_brake import BLENDINGS
 from brake_controller.parking_brake import COMPOUNDING
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
+from brake_controller.vigilance import PENALTIES
 from fmu_src.suggestion import suggestion
 from products.train.cell_tables import CELL_TABLES
 from products.train.consist import KINDS, LONGEST_VEHICLE
@@ -147,6 +148,20 @@ SLIDE = by_name(
     Quantity("valve_time", "s", 0.0, 1.0),
     Quantity("vent_time", "s", 0.25, 20.0),
 )
+#: Columns of the cab: direct brake, main reservoir with compressor and governor, vigilance device.
+CAB = by_name(
+    Quantity("direct_pressure", "bar", 0.5, 10.0),
+    Quantity("direct_fill_time", "s", 0.4, 60.0),
+    Quantity("direct_release_time", "s", 0.4, 60.0),
+    Quantity("direct_volume", "l", 0.5, 200.0),
+    Quantity("main_reservoir", "l", 20.0, 10e3),
+    Quantity("compressor", "l/min", 0.0, 30e3, above_0=10.0),
+    Quantity("cut_in", "bar", 1.0, 15.0),
+    Quantity("cut_out", "bar", 2.0, 16.0),
+    Quantity("start_pressure", "bar", 0.0, 16.0),
+    Quantity("vigilance_time", "s", 1.0, 3600.0),
+    Quantity("warning_time", "s", 0.5, 600.0),
+)
 #: Columns of the coupler behind a vehicle, instead of numbers of the built-in one.
 COUPLING = by_name(
     Quantity("coupler_stiffness", "MN/m", 0.1, 1000.0),
@@ -157,7 +172,7 @@ COUPLING = by_name(
 )
 #: Columns of a vehicle that is computed in detail, with its name.
 DETAIL = by_name(Quantity("level", "1", 1, 3, whole=True), Quantity("contact_model", "1", 1, 3, whole=True))
-NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING | SLIDE | DETAIL | VACUUM
+NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING | SLIDE | DETAIL | VACUUM | CAB
 #: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
 WORDS: dict[str, Collection[str]] = {
     "kind": tuple(KINDS),
@@ -175,6 +190,7 @@ WORDS: dict[str, Collection[str]] = {
     "blending": tuple(BLENDINGS),
     "direct_admission": ("yes", "no"),
     "handle": tuple(handles()),
+    "vigilance_penalty": tuple(PENALTIES),
 }
 #: Words of another column, and what to write.
 OF_DISTRIBUTOR = {"vacuum": "Write distributor = vacuum."}
@@ -198,6 +214,7 @@ NAMES = (
     *("protection", *SLIDE),
     *VACUUM,
     *("detail", *DETAIL),
+    *CAB,
 )
 
 

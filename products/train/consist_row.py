@@ -13,6 +13,7 @@ from brake_controller.distributors.vacuum import VacuumBrake
 from brake_controller.drivers_valve import DriversValve, drivers_valve
 from brake_controller.vacuum_valve import VacuumValve
 from products.train.brake_columns import brake_of, distributor_of, row_of_brake, row_of_distributor
+from products.train.cab_columns import direct_brake_of, main_reservoir_of, row_of_cab, vigilance_of
 from products.train.consist import EMPTY, KINDS, TrainVehicle, braked_with
 from products.train.consist_columns import COUPLING, FORCE, si, values_of
 from products.train.consist_rules import check_rules
@@ -59,6 +60,9 @@ def vehicle_of(
     controller = values.get("protection", NOTHING)
     one = replace(one, protection=protection_of(values, one.distributor), controller=controller, detail=detail)
     one = replace(one, handle=values.get("handle", ""))
+    main = main_reservoir_of(values)
+    direct = direct_brake_of(values, one.distributor, main)
+    one = replace(one, main_reservoir=main, direct=direct, vigilance=vigilance_of(values))
     return _with_valve(values, one), values
 
 
@@ -76,6 +80,7 @@ def row_of(train_vehicle: TrainVehicle) -> Row:
     row |= row_of_electric(train_vehicle.electric) | row_of_traction(train_vehicle.traction)
     row |= row_of_heat(train_vehicle.heat) | row_of_track(train_vehicle.track, train_vehicle.parking)
     row |= row_of_protection(train_vehicle.protection, train_vehicle.controller, train_vehicle.distributor)
+    row |= row_of_cab(train_vehicle.direct, train_vehicle.main_reservoir, train_vehicle.vigilance)
     row |= {} if train_vehicle.adhesion == "input" else {"adhesion": train_vehicle.adhesion}
     if train_vehicle.friction_ratio != 1.0:
         row |= {"friction_ratio": train_vehicle.friction_ratio, "friction_decay": train_vehicle.friction_decay}

@@ -14,7 +14,7 @@ from brake_controller.distributors.vacuum import OF_VACUUM
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.cell_tables import points_in
 from products.train.consist import EMPTY, EMPTY_UP_TO, PERCENTAGE
-from products.train.consist_columns import COUPLING, DETAIL, FORCE, HEAT, SLIDE, TRACK, TRACTION
+from products.train.consist_columns import CAB, COUPLING, DETAIL, FORCE, HEAT, SLIDE, TRACK, TRACTION
 from products.train.row_statements import STATEMENTS, check_mass, check_statements, is_american
 
 Row = Mapping[str, Any]
@@ -123,12 +123,14 @@ def _check_table(name: str) -> Rule:
 _DYNAMIC, _TRACTION = ("dynamic_force", "dynamic_table"), ("traction_force", "traction_table")
 _MASSES, _PARKING = ("wheel_mass", "disc_mass"), ("parking_force", "parking_gradient")
 _RAPID = ("position = R", "position = R+Mg")
+_DIRECT = tuple(name for name in CAB if name.startswith("direct_"))
 _RIGGING = ("cylinders", "rigging_ratio", "rigging_efficiency", "return_force")
 _VALUED = ("friction = constant", "friction = speed")
 _LAWS, _AT_SPEED = tuple(f"friction = {friction}" for friction in FRICTIONS), ("friction = speed",)
 _OTHER_LAWS = tuple(f"friction = {one}" for one in (*FRICTIONS, *FORCELESS) if one != "constant")
 _TWICE = f"{WITHOUT}, which has the forces. {LEAVE_ONE}"
 _TOGETHER = "friction_ratio and friction_decay must come together: one alone has no effect. Give both."
+_NO_PIPE = "{name} must be of a brake that the pipe controls; got {other}. Leave blending out, or take another."
 _CLOSES = "blending_speed must come with blending = closes, and that with it. Add both, or neither."
 _SHOES = f"a friction that depends on the force of a shoe, one of {', '.join(FRICTIONS)}. Add friction, or leave"
 #: Rules in their order; the message is that of the first rule that a row breaks.
@@ -144,7 +146,7 @@ RULES: tuple[Rule, ...] = (
     ),
     needs(["coupler_preload"], ["coupler_stiffness"]),
     excludes(_BY_PIPE, ["brake = ep-direct"], IDLE),
-    excludes(["dead_time", *_BY_PIPE, *_OF_BRAKE], ["brake = none"], IDLE),
+    excludes(["dead_time", *_BY_PIPE, *_OF_BRAKE, *_DIRECT], ["brake = none"], IDLE),
     _check_distributor,
     excludes(["position"], ["both times"], f"{{name}} has no effect with fill_time and release_time. {LEAVE_ONE}"),
     check_statements,
@@ -199,10 +201,12 @@ RULES: tuple[Rule, ...] = (
     _check_table("traction_table"),
     needs(["blending"], _DYNAMIC, f"{ONE_OF} it out."),
     needs(
-        ["blending"],
+        ["blending = fills", "blending = adds", "blending = closes"],
         ["brake = ep-direct", "by wire"],
-        "{name} must be of brake = ep-direct, or of a distributor by wire; other brakes add. Leave it out.",
+        "blending must be of brake = ep-direct, or of a distributor by wire; other brakes add, or have the interlock. "
+        "Leave it out, or take interlock.",
     ),
+    excludes(["blending = interlock"], ["brake = ep-direct", "brake = none", "by wire"], _NO_PIPE),
     needs(["blending_speed"], ["blending = closes"], _CLOSES),
     needs(["blending = closes"], ["blending_speed"], _CLOSES),
     needs(["traction_force"], ["traction_power"], f"{WITH}, or slipping wheels would spin up without a limit. Add it."),
@@ -245,13 +249,26 @@ RULES: tuple[Rule, ...] = (
         ["valve = head", "valve = second"],
         "count must be 1 with a {row[valve]} valve; got {row[count]:.0f}. Give that vehicle a row of its own.",
     ),
+    needs(_DIRECT, ["direct_pressure"]),
+    needs(["compressor", "cut_in", "cut_out", "start_pressure"], ["main_reservoir"]),
+    needs(
+        ["main_reservoir"],
+        ["a valve", "direct_pressure"],
+        "{name} must supply a driver's valve or a direct brake. Set valve to head, or add direct_pressure.",
+    ),
+    needs(["warning_time", "vigilance_penalty"], ["vigilance_time"]),
+    excludes(
+        ["direct_pressure", "main_reservoir", "blending = interlock"],
+        ["distributor = vacuum"],
+        "{name} must be of a brake by compressed air; got {other}. Leave it out.",
+    ),
     needs(
         ["distributor = vacuum"],
         [*STATEMENTS, "kind = locomotive", "kind = coach"],
         f"{{name}} of a wagon must come with {' or '.join(STATEMENTS)}. Add one of them.",
     ),
     needs(
-        ["service_rate", "exhaust", "exhauster", "ejector", "handle"],
+        ["service_rate", "exhaust", "exhauster", "ejector", "handle", "vigilance_time"],
         ["a valve"],
         "{name} must be of a vehicle with a driver's valve. Set valve to head, or leave it out.",
     ),

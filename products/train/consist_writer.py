@@ -131,6 +131,9 @@ def _numbers(train_vehicle: TrainVehicle) -> dict[str, Any]:
         | train_vehicle.heat.values()
         | train_vehicle.track.values()
         | train_vehicle.parking.values()
+        | train_vehicle.direct.values()
+        | train_vehicle.main_reservoir.values()
+        | train_vehicle.vigilance.values()
     )
     own |= {f"protection: {name}": value for name, value in train_vehicle.protection.values().items()}
     own["adhesion"] = ADHESIONS[train_vehicle.adhesion]

@@ -65,6 +65,5 @@ def wrong_input(name: str, place: int, value: float) -> str:
     """Return the message for a value of an input outside its limits."""
     one = BY_NAME[name]
     kind = "an integer from" if one.whole else "a number from"
-    return f"inputs['{name}'][{place}] must be {kind} {one.least:g} to {one.most:g}; got {value:g}." + likely_unit(
-        value, one.unit, one.least, one.most
-    )
+    hint = "" if one.whole else likely_unit(value, one.unit, one.least, one.most)
+    return f"inputs['{name}'][{place}] must be {kind} {one.least:g} to {one.most:g}; got {value:g}.{hint}"

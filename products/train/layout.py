@@ -16,14 +16,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from brake_controller.brake_heat import BrakeHeat
 from brake_controller.brake_pipe import CELL
+from brake_controller.direct_brake import DirectBrake
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.drivers_valve import POSITIONS, VALVE
-from brake_controller.electric_brake import ElectricBrake
+from brake_controller.electric_brake import CLOSES, ElectricBrake
+from brake_controller.main_reservoir import MainReservoir
 from brake_controller.parking_brake import ParkingBrake
 from brake_controller.track_brakes import TrackBrakes
 from brake_controller.traction import Traction
 from brake_controller.vehicle_brake import VehicleBrake
 from brake_controller.vehicle_protection import VehicleProtection
+from brake_controller.vigilance import VEHICLE, Vigilance
 from fmu_src.system import ParameterSet
 from fmu_src.variables import Field
 from rbd_model.train.adhesion import ADHESION
@@ -87,6 +90,8 @@ _LED = (
     " Couplers limit the step: docs/train-couplers.md"
 )
 _TRACK = "Share of each vehicle's eddy-current brake; above 0 magnets are lowered; at 0 the pipe alone applies both"
+_BAILED = "1: the distributor's air is let out of each vehicle's cylinders, if it has a direct brake or the interlock"
+_PENALTY = "Brake in the driver's place, by valve, without traction: 0 none, 1 at least full service, 2 emergency"
 #: Inputs; ends: forces at the head and at the end.
 INPUTS = (
     _chosen("driver_position", _POSITIONS, "valves", [name.replace("-", "_") for name in POSITIONS]),
@@ -115,6 +120,10 @@ INPUTS = (
     Array("track_brake", "1", 0.0, 1.0, _TRACK, of="vehicles"),
     Array("parking_brake", "1", 0.0, 1.0, "Share of each vehicle's parking brake, if it has one", of="vehicles"),
     Array("traction", "1", 0.0, 1.0, "Share of the force that each vehicle's motors can give, forwards", of="vehicles"),
+    Array("direct_brake", "1", 0.0, 1.0, "Share of each vehicle's direct brake, if it has one", of="vehicles"),
+    _chosen("bail_off", _BAILED, "vehicles", ("off", "on")),
+    _chosen("penalty", _PENALTY, "valves", ("none", "service", "emergency")),
+    _chosen("vigilance", "The driver's acknowledgement by valve: each change of it counts", "valves", ("up", "down")),
 )
 
 
@@ -146,6 +155,11 @@ OUTPUTS = (
     _found("electric_brake_energy", "J", "Work that each electric brake has taken at the rims so far", "vehicles"),
     _found("protection_state", "1", _STATE, "vehicles"),
     _found("protection_air", "kg", "Air that has filled each protected vehicle's cylinders so far", "vehicles"),
+    _found("main_reservoir_pressure", "Pa", "Gauge pressure in each main reservoir; 0 without one", "vehicles"),
+    _chosen("compressor_on", "Whether each vehicle's compressor runs", "vehicles", ("off", "on")),
+    _found("compressor_air", "kg", "Air that each vehicle's compressor has delivered so far", "vehicles"),
+    _chosen("vigilance_warning", "Whether the vigilance device at each driver's valve warns", "valves", ("off", "on")),
+    _chosen("penalty_applied", "Penalty in force at each driver's valve", "valves", ("none", "service", "emergency")),
 )
 #: Outputs that follow from those, of an FMU and of recordings.
 OF_WHEELS = (
@@ -246,6 +260,9 @@ def layout() -> tuple[Group, ...]:
         Group("valve", "valves", VALVE),
         Group("point", "points", _POINT),
         Group("slide", "vehicles", _of(VehicleProtection, 1e12)),
+        Group("direct", "vehicles", _of(DirectBrake, 1e12)),
+        Group("main", "vehicles", _of(MainReservoir, 1e12)),
+        Group("vigilance", "valves", (VEHICLE, *_of(Vigilance, 1e12))),
     )
 
 
@@ -277,4 +294,9 @@ EQUIPMENT = {
     "dynamic_brake": Equipment("an electric brake", {"electric.dynamic_force": 0.0}),
     "track_brake": Equipment("track brakes", {"track.magnetic_attraction": 0.0, "track.eddy_force": 0.0}),
     "parking_brake": Equipment("a parking brake", {"parking.parking_force": 0.0}),
+    "direct_brake": Equipment("a direct brake", {"direct.direct_pressure": 0.0}),
+    "bail_off": Equipment(
+        "a direct brake or the interlock", {"direct.direct_pressure": 0.0, "electric.blending": float(CLOSES)}
+    ),
+    "vigilance": Equipment("a vigilance device", {"vigilance.vigilance_time": 0.0}),
 }

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from brake_controller.air import AMBIENT, GAS_CONSTANT
+from brake_controller.air import AMBIENT, GAS_CONSTANT, WALL
 from brake_controller.brake_heat import HEATED, SURROUNDINGS, WORKED
 from brake_controller.brake_pipe import VALVE as TAP
+from brake_controller.direct_brake import COMMANDED as DIRECTLY
+from brake_controller.direct_brake import PRESSED
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLINDER, STARTS
 from brake_controller.drive import MOST_DRIVE_POINTS
-from brake_controller.electric_brake import DEMANDED
+from brake_controller.electric_brake import DEMANDED, INTERLOCK
+from brake_controller.main_reservoir import PUMPED
 from brake_controller.parking_brake import SCREWED
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
 from brake_controller.protection_fmu import LARGEST_MEMORY
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER
 from brake_controller.track_brakes import ORDERED
 from brake_controller.traction import COMMANDED as DRIVEN
+from brake_controller.vigilance import STANDS
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.variables import Field
 from products.train.layout import BRAKE_MODELS, INPUTS, MOST_VALVES, OUTPUTS, START_FRICTION, SUMS, UNBREAKABLE, layout
@@ -46,6 +50,7 @@ def layout_in_c() -> str:
     shared |= {"UNBREAKABLE": UNBREAKABLE, "SURROUNDINGS": SURROUNDINGS}
     shared |= {"ENCODER_GATE": GATE, "ENCODER_TIMER": TIMER, "ENCODER_LOWEST_FREQUENCY": LOWEST_FREQUENCY}
     shared |= {"TIME_CONSTANTS_TO_95_PERCENT": TIME_CONSTANTS_TO_95_PERCENT}
+    shared |= {"WALL": WALL, "STANDS": STANDS, "INTERLOCK": float(INTERLOCK)}
     counts = [f"    counts[OF_{name.upper()}] = {text};" for name, text in _owners().items()]
     return "\n".join(
         [
@@ -95,6 +100,9 @@ def _kinds_in_c() -> list[str]:
         _enum("ordered", ORDERED, "ORDERED_ROWS"),
         _enum("screwed", SCREWED, "SCREWED_ROWS"),
         _enum("driven", DRIVEN, "DRIVEN_ROWS"),
+        _enum("pressed", PRESSED, "PRESSED_ROWS"),
+        _enum("directly", DIRECTLY, "DIRECTLY_ROWS"),
+        _enum("pumped", PUMPED, "PUMPED_ROWS"),
         _enum("answer", ANSWERED, "ANSWER_ROWS"),
         _enum("kind", DISTRIBUTORS, "KINDS"),
         f"typedef struct {{\n    int states, given, cylinder, assisted, presses, start[{most}];\n}} distributor_kind;",

@@ -22,9 +22,11 @@ from brake_controller.brake_pipe import (
     walled,
     warmed,
 )
+from brake_controller.direct_brake import direct_braking
 from brake_controller.distributors import BUILT_IN, distributors
 from brake_controller.distributors.distributor import Distributor
 from brake_controller.electric_brake import blending
+from brake_controller.main_reservoir import pumping
 from brake_controller.parking_brake import parking
 from brake_controller.slide_protection import guarded
 from brake_controller.track_brakes import track_braking
@@ -44,7 +46,10 @@ FOLDER = Path(folder.__file__ or "").parent
 FUNCTIONS = {
     "pipe": (sides, passing, rates, dragging, leaking, warmed, ending, walled, tapping, tapped),
     "motion": (coupling, coupling_of_few, rolling, sliding),
-    "train": (braking, blending, heating, surfacing, fading, track_braking, parking, driving, adhering),
+    "train": (
+        *(braking, blending, heating, surfacing, fading, track_braking, parking, driving, adhering),
+        *(direct_braking, pumping),
+    ),
     "coupler": (coupling,),
 }
 #: Files of a release: the generated functions, and the compiled library without its suffix.
@@ -157,6 +162,7 @@ def _functions(kinds: tuple[Distributor, ...]) -> ctypes.CDLL:
         "train_go": (ctypes.c_int, [pointer, number]),
         "train_input_wrong": (ctypes.c_int, [pointer, told]),
         "train_numbers": (count, [pointer]),
+        "train_locked_at": (block, [pointer]),
         "train_save": (None, [pointer, pointer]),
         "train_load": (None, [pointer, pointer]),
         "train_steps": (None, [pointer, pointer]),

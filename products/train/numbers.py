@@ -142,6 +142,7 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
         for i, vehicle in enumerate(vehicles)
         if vehicle.valve is not None
     ]
+    manned = [i for i, vehicle in enumerate(vehicles) if vehicle.valve is not None]
     rows = line.rows if line is not None else {"distance": np.zeros(1)}
     level = np.zeros(len(rows["distance"]))
     head = {"vehicles": len(vehicles), "cells": len(lengths), "valves": len(valves), "points": len(level)}
@@ -163,6 +164,9 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
         "coupler": [one.coupler.values() for one in vehicles[:-1]],
         "strength": {"strength": [min(one.coupler.strength, UNBREAKABLE) for one in vehicles[:-1]]},
         "valve": valves,
+        "direct": [one.direct.values() for one in vehicles],
+        "main": [one.main_reservoir.values() for one in vehicles],
+        "vigilance": [{"vehicle": i} | vehicles[i].vigilance.values() for i in manned],
         "point": {name: rows.get(name, level) for name in ("distance", "gradient", "curvature")}
         | {"friction": np.mean([rows.get(name, level + 1.0) for name in FRICTIONS], axis=0)},
         "slide": [

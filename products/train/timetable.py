@@ -359,7 +359,7 @@ class TimetableDriver:
             train.advance(PERIOD)
             rows.append(self._row(train, sums))
         notes = [note(f"The limit at {place:g} m", speed, "m/s") for place, speed in self.limits]
-        return Recording(units, np.array(rows), [said for said in notes if said])
+        return Recording(units, np.array(rows), [said for said in (*notes, *train.messages) if said])
 
     def _row(self, train: Train, sums: Sequence[str]) -> list[float]:
         own = [train.time, self.front(train), float(train.speed[0]), float(train.wheel_speed.max())]

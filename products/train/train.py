@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from brake_controller.air import AMBIENT
 from brake_controller.distributors import DISTRIBUTORS, kind_of
+from brake_controller.electric_brake import INTERLOCK
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from products.controller_kinds import Form, InC
@@ -36,6 +37,8 @@ from readers.usual import almost_0, is_almost_0, likely_unit, note
 LONGEST, MOST = 86400.0, 1e8
 #: Attributes of a train that are set, beside its properties.
 SETTABLE = ("consist", "settings", "imported", "inputs", "run_history")
+#: Time of an event that has not occurred [s] (train.h).
+NEVER = 1e300
 #: Outputs that are recorded.
 RECORDED = [one for one in (*OUTPUTS, *OF_WHEELS) if one.name != "mean_coupler_force"]
 #: Outputs that are recorded only of trains with brakes that warm up.
@@ -46,6 +49,9 @@ OF_TRACK = ("track_brake_force",)
 OF_TRACTION, OF_DRIVES = ("traction_force", "traction_energy"), ("electric_brake_energy",)
 #: Outputs that are recorded only of trains with wheel-slide protection.
 OF_PROTECTION = ("protection_state", "protection_air")
+#: Outputs that are recorded only of trains with main reservoirs, and with vigilance devices.
+OF_RESERVOIRS = ("main_reservoir_pressure", "compressor_on", "compressor_air")
+OF_VIGILANCE = ("vigilance_warning", "penalty_applied")
 #: Places of outputs, and of the run's numbers.
 #: Inputs that a vehicle with a controller does not take, and why.
 OF_CONTROLLED = {
@@ -87,6 +93,9 @@ def _recorded_of(consist: Consist) -> list[Array]:
     pulls, tracks = has_equipment(consist, "traction"), has_equipment(consist, "track_brake")
     drives = pulls or has_equipment(consist, "dynamic_brake")
     kept = {OF_PROTECTION: protects, OF_HEAT: heats, OF_TRACTION: pulls, OF_DRIVES: drives, OF_TRACK: tracks}
+    reservoirs = any(vehicle.main_reservoir.reservoir_volume > 0.0 for vehicle in consist.vehicles)
+    watches = has_equipment(consist, "vigilance")
+    kept |= {OF_RESERVOIRS: reservoirs, OF_VIGILANCE: watches}
     left_out = {name for names, is_kept in kept.items() if not is_kept for name in names}
     return [one for one in RECORDED if one.name not in left_out]
 
@@ -107,7 +116,8 @@ class Train:
     """A train to be driven step by step.
 
     Inputs are arrays to write into, or to set as a whole: `driver_position` and `driver_step` of each driver's valve,
-    `traction` [1], `pull` [N], `friction` [1] and `protection` of each vehicle, `coupling_closed` and `hose_state` of
+    with `penalty` and `vigilance`, `traction`, `direct_brake` [1], `pull` [N], `friction` [1], `bail_off` and
+    `protection` of each vehicle, `coupling_closed` and `hose_state` of
     each coupling, `end_force` at both ends [N]. Outputs are attributes: OUTPUTS, an array of each, and SUMS. Pressures
     are gauge pressures [Pa].
     `imported` accounts for the fields of a file of another program (`bb.train`), otherwise it is None.
@@ -186,7 +196,7 @@ class Train:
         self._take_details(speed, distance, line)
         self._recorded = _recorded_of(consist)
         self._valves = [(one.valve, one.handle) for one in consist.vehicles if one.valve is not None]
-        self._idle = idle_inputs(consist)
+        self._idle = {name: (self.inputs[name], lacks) for name, lacks in idle_inputs(consist).items()}
 
     def _view(self, call: Any, row: int) -> NDArray[np.float64]:
         count = ctypes.c_longlong()
@@ -277,8 +287,8 @@ class Train:
         self.run_history.add(step, *map(float, arguments))
 
     def _advance(self, time: float) -> None:
-        for name, lacks in self._idle.items():
-            if self.inputs[name].any():
+        for name, (array, lacks) in self._idle.items():
+            if np.count_nonzero(array):
                 raise ValueError(f"inputs[{name!r}] must be 0: no vehicle has {lacks}, and it has no effect. Reset it.")
         status = self._call.train_go(self._own, time)
         self._controllers.check()
@@ -355,10 +365,7 @@ class Train:
             if moving and not self.speed.any():
                 break
         return Recording(
-            units,
-            np.array(rows),
-            [*self._notes, *self.controller_failures],
-            provenance=self.run_history.snapshot() if self.run_history else None,
+            units, np.array(rows), self.messages, provenance=self.run_history.snapshot() if self.run_history else None
         )
 
     def _names(self, output: str) -> list[str]:
@@ -402,6 +409,25 @@ class Train:
     def locked(self) -> NDArray[np.int64]:
         """1 for each vehicle whose wheels are locked while it moves, otherwise 0."""
         return ((self.wheel_speed == 0.0) & (self.speed != 0.0)).astype(int)
+
+    @property
+    def locked_at(self) -> NDArray[np.float64]:
+        """Time at which the wheels of each vehicle first locked while it moved [s], otherwise NaN."""
+        times = np.ctypeslib.as_array(self._call.train_locked_at(self._own), (len(self.consist.vehicles),)).copy()
+        return np.where(times < NEVER, times, np.nan)
+
+    @property
+    def messages(self) -> list[str]:
+        """Messages of the run: notes on its start, vehicles whose wheels have locked, controllers that failed."""
+        times = self.locked_at
+        locked = (self._lock_message(int(n), times[n]) for n in np.flatnonzero(np.isfinite(times)))
+        return [*self._notes, *locked, *self.controller_failures]
+
+    def _lock_message(self, vehicle: int, time: float) -> str:
+        electric = self.consist.vehicles[vehicle].electric
+        twice = electric.dynamic_force > 0.0 and electric.blended_pressure == 0.0 and electric.blending != INTERLOCK
+        remedy = " Its electric brake adds to its air; blending = interlock keeps this air out." if twice else ""
+        return f"The wheels of vehicle {vehicle + 1} locked at {time:.2f} s.{remedy}"
 
     @property
     def slip(self) -> NDArray[np.float64]:

@@ -46,6 +46,7 @@ def _unused(train_vehicle: TrainVehicle, model: str, cells: float) -> str:
     narrow = isinstance(train_vehicle.valve, DriversValve) and train_vehicle.valve.exhaust_area != EXHAUST
     found = {
         "exhaust": narrow,
+        "main_reservoir": train_vehicle.main_reservoir.reservoir_volume > 0.0,
         "pipe_diameter": train_vehicle.pipe_diameter != PIPE,
         "leak": train_vehicle.leak > 0.0,
         "branch": train_vehicle.branch > 0.0,

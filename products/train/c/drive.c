@@ -74,14 +74,16 @@ static int brakes_electrically(const train *self, long long int i) {
     return ordered || self->input[IN_DYNAMIC_BRAKE][i] > 0.0 || self->blended[i] > 0.0;
 }
 
-/* Commanded shares of a step. A pipe that is nearly empty at the vehicle cuts its motors off at once. */
+/* Commanded shares of a step. A pipe that is nearly empty at the vehicle cuts its motors off at once, a penalty all motors. */
 static void command_motors(train *self) {
     drives *drive = self->drive;
     double *share = drive->command + DRIVEN_SHARE * self->stride, *end = run_row(self, RUN_END);
+    int stopped = 0; /* by a penalty */
     pipe_pressures(self->air, drive->line, NULL);
+    for (long long int v = 0; v < self->valves; ++v) stopped |= valves_penalty(self, v) > 0.0;
     for (long long int i = 0; i < self->vehicles; ++i) {
         const double cut_out = drive->traction[TRACTION_TRACTION_CUT_OUT * self->stride + i]; /* 0: never */
-        const int off = cut_out > 0.0 && drive->line[i] - AMBIENT < cut_out;
+        const int off = stopped || (cut_out > 0.0 && drive->line[i] - AMBIENT < cut_out);
         share[i] = off || brakes_electrically(self, i) ? 0.0 : self->input[IN_TRACTION][i];
         if (off) end[i] = 0.0;
     }

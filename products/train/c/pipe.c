@@ -172,7 +172,17 @@ void pipe_valve(pipe *self, int valve, long long int face, const double numbers[
     own->numbers[TAP_AREA_BEHIND] = face > 0 ? area_of(self, face - 1) : 0.0;
     own->numbers[TAP_AREA_AHEAD] = face < self->cells ? area_of(self, face) : 0.0;
     if (valve >= self->valves) self->valves = valve + 1;
+    pipe_supply(self, valve, 0.0);
 }
+
+void pipe_supply(pipe *self, int valve, double volume) {
+    valve_at *own = &self->valve[valve];
+    own->supply = own->numbers[TAP_SUPPLY_PRESSURE];
+    own->per_mass = volume > 0.0 ? GAS_CONSTANT * own->numbers[TAP_SUPPLY_TEMPERATURE] / volume : 0.0;
+    self->drawn[STATE][valve] = 0.0;
+}
+
+double pipe_drawn(const pipe *self, int valve) { return self->drawn[STATE][valve]; }
 
 /* Cells at separated faces have the same state beyond them. */
 static void look_at_joints(pipe *self) {
@@ -227,12 +237,14 @@ static void pass_valves(pipe *self, pipe_passed *passed) {
             air[0][n] = face > 0 ? self->side[face - 1 + (PIPE_STATES + n) * stride] : self->side[n * stride];
             air[1][n] = face <= last ? self->side[face + n * stride] : self->side[last + (PIPE_STATES + n) * stride];
         }
+        own->numbers[TAP_SUPPLY_PRESSURE] = own->supply - self->drawn[STATE][valve];
         const double at = meet(own, air[0], air[1]);
         pipe_tapped_1(&at, air[0], air[1], own->numbers, found);
         split_flux(self, face, found, found + PIPE_STATES);
         passed->valve_mass += found[VALVE_OUT];
         passed->valve_energy += found[ENERGY_OUT];
         passed->let_in += found[LET_IN];
+        self->drawing[valve] = own->per_mass * found[LET_IN];
     }
 }
 
@@ -372,12 +384,14 @@ static void go_on(pipe *self, double share, double step) {
     for (int row = 0; row < PIPE_STATES; ++row)
         pipe_mix(self->state + row * self->stride, self->before + row * self->stride, self->rate + row * self->stride,
                  self->cells, share, step);
+    pipe_mix(self->drawn[STATE], self->drawn[BEFORE], self->drawing, self->valves, share, step);
     distributors_go_on(self, share, step);
 }
 
 static void copy(pipe *self, int to, int from) {
     double *blocks[] = {self->state, self->before, self->kept, self->first};
     rows_copy(blocks[to] - ROWS_EDGE, blocks[from] - ROWS_EDGE, (PIPE_STATES * self->stride));
+    memcpy(self->drawn[to], self->drawn[from], sizeof self->drawn[to]);
     distributors_copy(self, to, from);
 }
 

@@ -58,6 +58,13 @@ PIPE_SHOWN void pipe_end(pipe *self, int end, const pipe_outside *outside);
 /* Sets a driver's valve, one of MOST_VALVES, at the face before a cell, or after the last one; numbers: the first of VALVE in
  * brake_pipe.py. Its previous values are lost. */
 PIPE_SHOWN void pipe_valve(pipe *self, int valve, long long int face, const double numbers[VALVE_NUMBERS]);
+/* Lets a driver's valve draw from a reservoir of this volume [m3] from now on, whose pressure falls (Boyle); 0: it stays. Stands
+ * after `pipe_valve`. */
+PIPE_SHOWN void pipe_supply(pipe *self, int valve, double volume);
+/* Fall of that pressure since then [Pa]. */
+PIPE_SHOWN double pipe_drawn(const pipe *self, int valve);
+/* u = share * first + (1 - share) * (u + step * rate). */
+void pipe_mix(double *u, const double *first, const double *rate, long long int count, double share, double step);
 /* Sets the joint of the cells at a face. */
 PIPE_SHOWN void pipe_join(pipe *self, long long int face, int how);
 /* Complete state of a run except ends, valves and joints: its size, and copies from and to memory. */

@@ -8,10 +8,11 @@
 
 enum { PIPE_SIDES = 7, PIPE_LEAKS = 2 };
 
-/* A driver's valve: the face, its numbers with the areas of the pipe on both sides, and the pressure there. */
+/* A driver's valve: the face, its numbers with the areas of the pipe on both sides, and the pressure there; supply: pressure that
+ * feeds it at the start of a step. Each kg that it draws lowers this by `per_mass` [Pa/kg]. */
 typedef struct {
     long long int face;
-    double numbers[TAP_ROWS], at;
+    double numbers[TAP_ROWS], at, supply, per_mass;
 } valve_at;
 enum { TAP_FOUND = 2, TAPPED = 9, VALVE_OUT = 6, ENERGY_OUT = 7, LET_IN = 8 };
 
@@ -22,6 +23,9 @@ typedef struct {
     double *memory, *state, *before, *kept, *first, *given, *air, *command, *rate,
         *pressing; /* the first cell of each first row */
 } distributors;
+
+/* Blocks of states. */
+enum { STATE, BEFORE, KEPT, FIRST };
 
 struct pipe {
     long long int cells, stride;
@@ -35,6 +39,8 @@ struct pipe {
     pipe_outside outside[2];
     int valves, joints; /* number of valves, and of separated faces */
     valve_at valve[MOST_VALVES];
+    double drawn[4][MOST_VALVES],
+        drawing[MOST_VALVES]; /* fall of supplies since `pipe_supply` [Pa], in the blocks STATE, ...; rate */
     unsigned char *joint;
     double end_flux[2][PIPE_STATES];
     pipe_passed passed;
@@ -66,8 +72,7 @@ PIPE_LOOPS(8);
 void distributors_act(pipe *self, pipe_passed *passed);
 /* state = share of the previous state, and the rest of the state after a step with these rates. */
 void distributors_go_on(pipe *self, double share, double step);
-/* Copies a block of all states, from and to one of these. */
-enum { STATE, BEFORE, KEPT, FIRST };
+/* Copies a block of all states. */
 void distributors_copy(pipe *self, int to, int from);
 /* True if all states are finite and above zero. */
 bool distributors_sound(const pipe *self);
@@ -76,6 +81,5 @@ long long int distributors_numbers(const pipe *self);
 void distributors_save(const pipe *self, double *numbers);
 void distributors_load(pipe *self, const double *numbers);
 void distributors_free(pipe *self);
-void pipe_mix(double *u, const double *first, const double *rate, long long int count, double share, double step);
 
 #endif

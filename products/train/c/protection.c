@@ -171,7 +171,7 @@ void protection_begin(train *self) {
     if (!all) return;
     memset(all->states, 0, all->bytes);
     all->start = self->run[RUN_TIME];
-    pipe_pressures(self->air, NULL, self->cylinder);
+    find_cylinders(self, self->cylinder);
     EACH(all, one) {
         state *own = state_of(all, one);
         own->failed_at = -1.0;
@@ -226,7 +226,7 @@ double protection_sample(train *self, double time) {
     protections *all = self->slide;
     if (!all) return INFINITY;
     double next = INFINITY;
-    pipe_pressures(self->air, NULL, self->cylinder);
+    find_cylinders(self, self->cylinder);
     rows_copy(all->command, self->input[IN_PROTECTION], self->vehicles);
     EACH(all, one) {
         state *own = state_of(all, one);
@@ -269,6 +269,13 @@ void protection_open(train *self, double step) {
         all->vented[one->vehicle] = vents;
     }
     pipe_dump(self->air, all->held, all->vented);
+}
+
+void protection_shares(const train *self, long long int vehicle, double *held, double *vented) {
+    const protections *all = self->slide;
+    const double command = self->input[IN_PROTECTION][vehicle];
+    *held = all ? all->held[vehicle] : command != PROTECTION_APPLY;
+    *vented = all ? all->vented[vehicle] : command == PROTECTION_RELEASE;
 }
 
 void protection_turn(train *self, double step) {

@@ -22,6 +22,8 @@ double protection_sample(train *self, double time);
 /* Opens and closes magnet valves in a step, before the pipe advances; and turns the sensors, after the motion. */
 void protection_open(train *self, double step);
 void protection_turn(train *self, double step);
+/* Shares of a vehicle's valves in that step: closed to the supply, and open to the surroundings. */
+void protection_shares(const train *self, long long int vehicle, double *held, double *vented);
 void protection_outputs(train *self);
 /* Complete state of sensors, controllers and valves: its size in numbers, and copies from and to memory. */
 long long int protection_numbers(const train *self);

@@ -18,15 +18,18 @@ static const double HELD = 1.0, CORRECTED = 0.5;
 enum { BLENDED_ROWS = 4, WARM_ROWS = 1 + 2 * HEATED_ROWS };
 
 /* Length of a run's variables: behind those of the valves, of each vehicle the force of its electric brake [N] and the heat of
- * its friction brake (HEATED_ROWS), then those of drive.c and of extra_brakes.c. */
-enum { OWN_RUN = 1 + HEATED_ROWS };
+ * its friction brake (HEATED_ROWS), and the time when its wheels first locked, then those of drive.c, of extra_brakes.c and of
+ * cab.c. */
+enum { OWN_RUN = 2 + HEATED_ROWS };
 static long long int runs(const train *self) {
-    return RUN_VALVES + OF_VALVE * self->valves + (OWN_RUN + DRIVE_RUN + EXTRA_RUN) * self->vehicles;
+    return RUN_VALVES + OF_VALVE * self->valves + (OWN_RUN + DRIVE_RUN + EXTRA_RUN) * self->vehicles + cab_numbers(self);
 }
 static double *electric_run(train *self) { return self->run + RUN_VALVES + OF_VALVE * self->valves; }
 static double *heat_run(train *self) { return electric_run(self) + self->vehicles; }
+static double *lock_run(const train *self) { return drive_run(self) - self->vehicles; }
 double *drive_run(const train *self) { return self->run + RUN_VALVES + OF_VALVE * self->valves + OWN_RUN * self->vehicles; }
 double *extra_run(const train *self) { return drive_run(self) + DRIVE_RUN * self->vehicles; }
+double *cab_run(const train *self) { return extra_run(self) + EXTRA_RUN * self->vehicles; }
 
 static double *take(double **from, long long int count) {
     double *place = *from;
@@ -143,6 +146,7 @@ int train_lay_saved(train *self) {
 static train *lay(train *self, const double *numbers) {
     const double *at[LAYOUT_GROUPS];
     layout_find(numbers, self->counts, at);
+    self->has_cab = cab_is_stated(self->counts, at);
     if (!take_memory(self)) return NULL;
     put_numbers(self, at);
     self->moves = motion_create(self->vehicles, at[GROUP_MOTION], at[GROUP_COUPLER]);
@@ -150,6 +154,7 @@ static train *lay(train *self, const double *numbers) {
     if (!extra_create(self, at[GROUP_TRACK], at[GROUP_PARKING])) return NULL;
     if (!drive_create(self, at[GROUP_TRACTION], at[GROUP_ADHESION], at[GROUP_MOTION])) return NULL;
     if (!protection_create(self, at[GROUP_SLIDE])) return NULL;
+    if (!cab_create(self, at)) return NULL;
     self->works = self->heats || self->blends || self->drive;
     return train_lay_saved(self) ? self : NULL;
 }
@@ -183,6 +188,7 @@ void train_free(train *self) {
     drive_free(self->drive);
     protection_free(self->slide);
     detail_free(self->detail);
+    cab_free(self->cab);
     free(self->rows);
     free(self->numbers);
     free(self->cell);
@@ -282,6 +288,11 @@ static void warm_brakes(train *self, double step) {
     rows_get(heat_run(self), self->warm + (1 + HEATED_ROWS) * self->stride, self->stride, HEATED_ROWS, self->vehicles);
 }
 
+void find_cylinders(const train *self, double *cylinder) {
+    pipe_pressures(self->air, NULL, cylinder);
+    cab_press(self, cylinder);
+}
+
 /* Brake forces at pressures of cylinders and speeds of wheels, with parking brakes applied for a time. */
 static void find_brakes(train *self, double step) {
     rows_copy(self->wheel, motion_wheel(self->moves), self->vehicles);
@@ -328,6 +339,8 @@ static void find_outputs(train *self) {
     motion_force_now(self->moves, self->output[OUT_COUPLER_FORCE]);
     motion_mean(self->moves, self->output[OUT_MEAN_COUPLER_FORCE]);
     pipe_pressures(self->air, self->output[OUT_PIPE_PRESSURE], self->output[OUT_CYLINDER_PRESSURE]);
+    cab_press(self, self->output[OUT_CYLINDER_PRESSURE]);
+    cab_outputs(self);
     memcpy(sums, self->run + RUN_SUMS, TRAIN_SUMS * sizeof(double));
     sums[SUM_TIME] = self->run[RUN_TIME];
     sums[SUM_AIR_USED] = pipe_has_passed(self->air)->let_in;
@@ -351,6 +364,7 @@ void train_begin(train *self, double time, double speed, double distance, double
     begin_motion(self, speed, distance);
     detail_forget(self);
     fill(self->run, runs(self), 0.0);
+    fill(lock_run(self), self->vehicles, TRAIN_NEVER);
     self->run[RUN_TIME] = time;
     self->run[RUN_TOLD] = floor(time / HISTORY_STEP);
     for (long long int v = 0; v < self->valves; ++v) {
@@ -361,12 +375,13 @@ void train_begin(train *self, double time, double speed, double distance, double
         fill(own + 1 + HISTORY, HISTORY, v ? DRIVER_POSITION_SHUT_OFF : DRIVER_POSITION_RUNNING);
     }
     put_joints(self);
+    cab_begin(self);
     fill(self->blended, self->vehicles, 0.0);
     fill(heat_run(self) + HEATED_TEMPERATURE * self->vehicles, self->vehicles, SURROUNDINGS);
     fill(heat_run(self) + HEATED_BLOCK_TEMPERATURE * self->vehicles, self->vehicles, SURROUNDINGS);
     self->steps[0] = self->steps[1] = 0;
     protection_begin(self);
-    pipe_pressures(self->air, NULL, self->cylinder);
+    find_cylinders(self, self->cylinder);
     find_brakes(self, 0.0);
     find_forces(self);
     fill(self->output[OUT_RAIL_FORCE], self->vehicles, 0.0);
@@ -408,6 +423,7 @@ static void take_inputs(train *self) {
         if (coupled[i] != coupled_before[i]) motion_couple(self->moves, i, coupled[i] > 0.0);
     }
     lead(self);
+    cab_acknowledge(self, self->given_before + (self->input[IN_VIGILANCE] - self->input[0]));
     rows_copy(self->given_before, self->input[0], self->inputs);
     if (changed) put_joints(self);
     if (!self->slide) pipe_protect(self->air, self->input[IN_PROTECTION]);
@@ -419,17 +435,29 @@ static void take_inputs(train *self) {
     rows_copy(motion_acting(self->moves, ACTING_FRICTION), self->input[IN_FRICTION], self->vehicles);
 }
 
+const double *train_locked_at(const train *self) { return lock_run(self); }
+
+/* Stores the time when the wheels of a vehicle first lock. */
+static void note_locks(train *self, double time) {
+    const double *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
+    for (long long int i = 0; i < self->vehicles; ++i)
+        if (wheel[i] == 0.0 && speed[i] != 0.0) lock_run(self)[i] = fmin(lock_run(self)[i], time);
+}
+
 /* One step with brakes and line of its middle; returns 0 if its result is not finite. */
 static int step_on(train *self, double step) {
+    cab_watch(self, step);
     valves_command(self, step);
     protection_open(self, step);
     if (self->blends) demand_brakes(self, step);
-    pipe_pressures(self->air, NULL, self->cylinder);
+    cab_bail_off(self);
+    find_cylinders(self, self->cylinder);
     rows_copy(self->held, self->cylinder, self->vehicles);
     const long long int taken = pipe_advance(self->air, step, self->head[HEAD_COURANT]);
     if (taken < 0) return 0;
     valves_tell(self, step);
-    pipe_pressures(self->air, NULL, self->cylinder);
+    if (!cab_advance(self, step)) return 0;
+    find_cylinders(self, self->cylinder);
     for (long long int i = 0; i < self->vehicles; ++i) self->cylinder[i] = (self->cylinder[i] + self->held[i]) / 2.0;
     find_brakes(self, step);
     rows_copy(motion_acting(self->moves, ACTING_BRAKE), self->held, self->vehicles);
@@ -442,6 +470,7 @@ static int step_on(train *self, double step) {
     self->steps[1] += drive_go(self, (long long int)count, step);
     protection_turn(self, step);
     if (self->works) warm_brakes(self, step);
+    note_locks(self, self->run[RUN_TIME] + step);
     if (motion_broken(self->moves)) put_joints(self);
     return motion_sound(self->moves);
 }

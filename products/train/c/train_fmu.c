@@ -15,7 +15,7 @@ struct arrays_object {
     train *own;
     fmu_details *details; /* NULL: no vehicle is in detail */
     double *values; /* of all arrays, one after the other */
-    double *locked; /* of each vehicle before a step, then the states of its protection */
+    double *states; /* of the protection of each vehicle before a step */
     size_t place[ARRAYS_MOST + 1];
     unsigned long long mark; /* of the consist */
 };
@@ -36,8 +36,8 @@ static arrays_object *create(const double *numbers, long long int count, const c
         self->mark = arrays_mark_of(numbers, (size_t)count) ^ details_mark(self->details);
         for (unsigned n = 0; n < ARRAYS; ++n) self->place[n + 1] = self->place[n] + length_of(self->own, (int)n);
         self->values = (double *)calloc(self->place[ARRAYS], sizeof(double));
-        self->locked = (double *)calloc(2 * length_of(self->own, LOCKED), sizeof(double));
-        if (self->values && self->locked) return self;
+        self->states = (double *)calloc(length_of(self->own, LOCKED), sizeof(double));
+        if (self->values && self->states) return self;
     }
     arrays_free(self);
     return NULL;
@@ -69,7 +69,6 @@ void arrays_free(arrays_object *self) {
     train_free(self->own);
     details_free(self->details);
     free(self->values);
-    free(self->locked);
     free(self);
 }
 
@@ -92,7 +91,8 @@ static void find_outputs(arrays_object *self) {
     for (int n = 0; n < OUT_SUMS; ++n) {
         long long int count;
         const double *from = train_output(self->own, n, &count),
-                     less = n == OUT_PIPE_PRESSURE || n == OUT_CYLINDER_PRESSURE ? AMBIENT : 0.0;
+                     less = n == OUT_PIPE_PRESSURE || n == OUT_CYLINDER_PRESSURE || n == OUT_MAIN_RESERVOIR_PRESSURE ? AMBIENT
+                                                                                                                     : 0.0;
         double *to = values_of(self, FIRST_OUTPUT + n);
         for (long long int i = 0; i < count; ++i) to[i] = from[i] - less;
     }
@@ -127,16 +127,18 @@ void arrays_start(arrays_object *self, double time) {
     find_outputs(self);
 }
 
-/* Write the vehicles whose wheels have locked in a step, if any. `before`: whether they were locked. */
-static void say_locked(const arrays_object *self, const double *before, double time, char problem[MESSAGE_SIZE]) {
+/* Write the vehicles whose wheels have locked for the first time since a time, if any. */
+static void say_locked(const arrays_object *self, double since, char problem[MESSAGE_SIZE]) {
     char when[TIME_TEXT], others[32] = "";
+    const double *locked_at = train_locked_at(self->own);
     long long int count, first = 0, more = -1;
     train_output(self->own, OUT_SPEED, &count);
     for (long long int i = count - 1; i >= 0; --i)
-        if (values_of(self, LOCKED)[i] != 0.0 && before[i] == 0.0) first = i + 1, ++more;
+        if (locked_at[i] > since && locked_at[i] < TRAIN_NEVER) first = i + 1, ++more;
     if (more < 0) return;
     if (more > 0) print_text(others, sizeof others, " and of %lld behind it", more);
-    print_text(problem, MESSAGE_SIZE, "The wheels of vehicle %lld%s locked at %s s.", first, others, time_text(time, 6, when));
+    print_text(problem, MESSAGE_SIZE, "The wheels of vehicle %lld%s locked at %s s.", first, others,
+               time_text(locked_at[first - 1], 6, when));
 }
 
 /* Write the vehicles whose controllers have failed in a step, if any. `before`: states of the protection. */
@@ -190,6 +192,7 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
         say_wrong(self, wrong, element, problem);
         return KERNEL_DISCARD;
     }
+    const double before = train_output(self->own, OUT_SUMS, &element)[SUM_TIME];
     const double most = train_longest(self->own, &element);
     if (step > most) {
         print_text(
@@ -209,13 +212,12 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
                    time, step);
         return KERNEL_DISCARD;
     }
-    const size_t vehicles = length_of(self->own, LOCKED);
-    memcpy(self->locked, values_of(self, LOCKED), vehicles * sizeof(double));
-    memcpy(self->locked + vehicles, values_of(self, FIRST_OUTPUT + OUT_PROTECTION_STATE), vehicles * sizeof(double));
+    const double *states = values_of(self, FIRST_OUTPUT + OUT_PROTECTION_STATE);
+    memcpy(self->states, states, length_of(self->own, LOCKED) * sizeof(double));
     find_outputs(self);
     char said[2][MESSAGE_SIZE] = {"", ""};
-    say_locked(self, self->locked, time + step, said[0]);
-    say_failed(self, self->locked + vehicles, time + step, said[1]);
+    say_locked(self, before, said[0]);
+    say_failed(self, self->states, time + step, said[1]);
     for (int n = 0; n < 2; ++n) {
         const size_t length = strlen(problem);
         if (*said[n]) print_text(problem + length, MESSAGE_SIZE - length, "%s%s", length ? " " : "", said[n]);

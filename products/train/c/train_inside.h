@@ -16,6 +16,7 @@ enum { RUN_TIME, RUN_TOLD, RUN_STEP, RUN_SUMS, RUN_VALVES = RUN_SUMS + TRAIN_SUM
 typedef struct extra_brakes extra_brakes;
 typedef struct drives drives;
 typedef struct details details;
+typedef struct cab cab;
 
 struct train {
     long long int counts[LAYOUT_OWNERS], vehicles, cells, valves, points, stride;
@@ -36,6 +37,8 @@ struct train {
     details *detail; /* NULL: no vehicle is computed in detail */
     drives *drive; /* NULL: no vehicle has motors, or adhesion that falls over its speed */
     protections *slide; /* NULL: no vehicle has a wheel-slide protection */
+    int has_cab; /* a vehicle or valve has what cab.c computes */
+    cab *cab;
     double *mass, *centre, *length;
     long long int *cell, *hint, *face; /* cell of each vehicle; row of the line; cell after its end, 0: none */
     double *valve; /* VALVE_ROWS of each valve */
@@ -66,13 +69,17 @@ long long int layout_output(const long long int counts[LAYOUT_OWNERS], int row);
     void extra_track_##lanes(train *self);                                                                                     \
     void extra_park_##lanes(train *self);                                                                                      \
     void drive_pull_##lanes(train *self);                                                                                      \
-    void drive_adhere_##lanes(train *self)
+    void drive_adhere_##lanes(train *self);                                                                                    \
+    void cab_rate_##lanes(cab *self);                                                                                          \
+    void cab_pump_##lanes(cab *self)
 TRAIN_LOOPS(1);
 TRAIN_LOOPS(2);
 TRAIN_LOOPS(4);
 TRAIN_LOOPS(8);
 
-/* Pressure and flow areas of driver's valves in a step (valves.c). */
+/* Penalty in force at a driver's valve, PENALTY_NONE, ... (valves.c). */
+double valves_penalty(const train *self, long long int valve);
+/* Pressure and flow areas of driver's valves in a step. */
 void valves_command(train *self, double step);
 /* Stores them, and applies them to given pressures. */
 void valves_tell(train *self, double step);
@@ -138,5 +145,43 @@ void detail_try(train *self);
 void detail_forget(train *self);
 /* Advances the train's own clock by the next step, which is returned: to its grid, or over the time that is left (`last`). */
 double detail_step(const train *self, double left, int *last);
+/* Pressures that press the brakes: of distributors, or of direct brakes. */
+void find_cylinders(const train *self, double *cylinder);
+/* The cab (cab.c): rows (rows.h) of the vehicles that have a direct brake or a main reservoir, and what all have. */
+struct cab {
+    int lanes, bails; /* bails: the distributor of a vehicle can be bailed off */
+    long long int count, stride, *vehicle;
+    double pace; /* of direct brakes [1/s] */
+    double *memory;
+    double *direct, *main; /* constants */
+    double *pressure, *before, *order, *rate, *pumped, *pumps; /* PRESSED, DIRECTLY, rates; PUMPED, its results */
+    /* of all vehicles: pressure of the direct brake [Pa]; shares of the valves of protection, with bail-off */
+    double *full, *held, *vented;
+    double *desk; /* VIGILANCE_ROWS of all valves */
+};
+
+/* True if the numbers of a train state one. */
+int cab_is_stated(const long long int counts[LAYOUT_OWNERS], const double *const at[LAYOUT_GROUPS]);
+/* Length of its variables of a run, 0 without one, and their place. */
+long long int cab_numbers(const train *self);
+double *cab_run(const train *self);
+/* Allocates it if it is stated; returns 0 if out of memory. */
+int cab_create(train *self, const double *const at[LAYOUT_GROUPS]);
+void cab_free(cab *self);
+void cab_begin(train *self);
+/* Acknowledgements: changes of the input from that before a step. */
+void cab_acknowledge(train *self, const double *before);
+/* Vigilance devices in a step. */
+void cab_watch(train *self, double step);
+double cab_penalty(const train *self, long long int valve);
+/* Pressure that supplies a driver's valve, and volume of its main reservoir, 0: it stays. */
+double cab_supply(const train *self, long long int valve, double *volume);
+/* Lets the air of distributors out of cylinders, after `train_blend`. */
+void cab_bail_off(train *self);
+/* Direct brakes and compressors in a step, after the pipe's; 0: a pressure is not finite and above 0. */
+int cab_advance(train *self, double step);
+/* Double check valves: a direct brake that has the higher pressure presses the brake. */
+void cab_press(const train *self, double *cylinder);
+void cab_outputs(train *self);
 
 #endif

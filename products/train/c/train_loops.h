@@ -21,5 +21,8 @@ ROWS_FUNCTION(drive_pull, train, self->vehicles, cells_driving, self->drive->whe
               self->drive->traction + i, self->drive->force + i)
 ROWS_FUNCTION(drive_adhere, train, self->vehicles, cells_adhering, self->drive->speed + i, self->drive->law + i,
               self->drive->share + i)
+ROWS_FUNCTION(cab_rate, cab, self->count, cells_direct_braking, self->pressure + i, self->order + i, self->direct + i,
+              self->main + i, self->rate + i)
+ROWS_FUNCTION(cab_pump, cab, self->count, cells_pumping, self->pumped + i, self->main + i, self->pumps + i)
 
 #include "lanes_end.h"

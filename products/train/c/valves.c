@@ -14,11 +14,27 @@ static double delayed(train *self, long long int valve, int what, double time) {
     return row[own] + (at - before) * (row[(own + 1) % HISTORY] - row[own]);
 }
 
+double valves_penalty(const train *self, long long int valve) {
+    return fmax(self->input[IN_PENALTY][valve], cab_penalty(self, valve));
+}
+
+/* Position and step of a valve by its own driver, or by a penalty that brakes more. */
+static double ordered(const train *self, long long int valve, double *step) {
+    const double penalty = valves_penalty(self, valve), position = self->input[IN_DRIVER_POSITION][valve];
+    *step = self->input[IN_DRIVER_STEP][valve];
+    if (penalty == PENALTY_EMERGENCY) return DRIVER_POSITION_EMERGENCY;
+    if (penalty == PENALTY_NONE || position == DRIVER_POSITION_EMERGENCY) return position;
+    if (position == DRIVER_POSITION_CONTINUOUS_SERVICE) return position;
+    *step = 1.0;
+    return DRIVER_POSITION_SERVICE;
+}
+
 static double position_of(train *self, long long int valve, double *step) {
     const double delay = self->valve[valve * VALVE_ROWS + VALVE_DELAY], time = self->run[RUN_TIME] - delay;
-    const int follows = delay >= 0.0 && self->input[IN_DRIVER_POSITION][valve] == DRIVER_POSITION_SHUT_OFF;
-    *step = follows ? delayed(self, 0, 2, time) : self->input[IN_DRIVER_STEP][valve];
-    return follows ? delayed(self, 0, 1, time) : self->input[IN_DRIVER_POSITION][valve];
+    const double own = ordered(self, valve, step);
+    if (delay < 0.0 || own != DRIVER_POSITION_SHUT_OFF) return own;
+    *step = delayed(self, 0, 2, time);
+    return delayed(self, 0, 1, time);
 }
 
 /* True if the pipe is charged below the surroundings: its exhauster takes air out, and braking lets air in. */
@@ -46,8 +62,9 @@ double valves_demand(train *self, double step, double dead_time) {
     double most = 0.0;
     for (long long int v = 0; v < self->valves; ++v) {
         const double *given = self->valve + v * VALVE_ROWS;
-        const double position = dead_time > 0.0 ? delayed(self, v, 1, time) : self->input[IN_DRIVER_POSITION][v];
-        const double service = dead_time > 0.0 ? delayed(self, v, 2, time) : self->input[IN_DRIVER_STEP][v];
+        double now;
+        const double own = ordered(self, v, &now), position = dead_time > 0.0 ? delayed(self, v, 1, time) : own;
+        const double service = dead_time > 0.0 ? delayed(self, v, 2, time) : now;
         const double least = given[VALVE_FULL] > 0.0 ? fmin(given[VALVE_FIRST] / given[VALVE_FULL], 1.0) : 1.0;
         if (position == DRIVER_POSITION_SERVICE) most = fmax(most, least + service * (1.0 - least));
         if (position == DRIVER_POSITION_HOLD || position == DRIVER_POSITION_CONTINUOUS_SERVICE)
@@ -92,16 +109,19 @@ void valves_command(train *self, double time) {
         *held = moved(given, before, position, step, time);
         if (self->brake_model == BRAKE_MODEL_DELAY) continue;
         const double regulates = position != DRIVER_POSITION_SHUT_OFF && position != DRIVER_POSITION_EMERGENCY;
+        double volume;
+        const double supply = cab_supply(self, v, &volume);
         double numbers[VALVE_NUMBERS] = {regulates * given[VALVE_FEEDING],
                                          regulates * given[VALVE_EXHAUST],
                                          (position == DRIVER_POSITION_EMERGENCY) * given[VALVE_EMERGENCY],
                                          (before + *held) / 2.0,
                                          given[VALVE_BAND],
-                                         given[VALVE_SUPPLY],
+                                         supply,
                                          given[VALVE_SUPPLY_TEMPERATURE],
                                          given[VALVE_AROUND]};
         if (holds_vacuum(given)) open_vacuum(given, position, regulates, numbers);
         pipe_valve(self->air, (int)v, (long long int)given[VALVE_FACE], numbers);
+        pipe_supply(self->air, (int)v, volume);
     }
 }
 
@@ -127,8 +147,7 @@ void valves_tell(train *self, double step) {
         for (long long int v = 0; v < self->valves; ++v) {
             double *row = valves_run(self, v);
             row[1 + place] = row[0];
-            row[1 + HISTORY + place] = self->input[IN_DRIVER_POSITION][v];
-            row[1 + 2 * HISTORY + place] = self->input[IN_DRIVER_STEP][v];
+            row[1 + HISTORY + place] = ordered(self, v, &row[1 + 2 * HISTORY + place]);
         }
     }
     self->run[RUN_TOLD] = newest;

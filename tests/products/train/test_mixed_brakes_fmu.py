@@ -23,7 +23,8 @@ MAGNETS: dict[str, object] = {"magnetic_attraction": 200, "track_brake_pressure"
 ROWS: list[dict[str, object]] = [
     {
         **{"kind": "locomotive", "traction_force": 300, "traction_power": 5600, "adhesion": "curtius-kniffler"},
-        **{"dynamic_table": "0:0 10:150 60:150 120:75", "dynamic_rise": 2},
+        **{"dynamic_table": "0:0 10:150 60:150 120:75", "dynamic_rise": 2, "blending": "interlock"},
+        **{"direct_pressure": 3.5, "main_reservoir": 400, "vigilance_time": 8, "warning_time": 2},
     },
     {"kind": "wagon", "position": "G", "wheel_mass": 370, "block_mass": 28, "friction": "cast-iron-p10"},
     {"kind": "wagon", "distributor": "aar", "retainer": "high", "parking_force": 60},
@@ -39,16 +40,16 @@ ROWS: list[dict[str, object]] = [
         **{"dynamic_force": 60, "dynamic_power": 900, "traction_force": 60, "traction_power": 900},
     },
     {"kind": "wagon", "brake": "none"},
-    {"kind": "locomotive", "valve": "second", "delay": 1.5, "coupler": "draft-gear"},
+    {"kind": "locomotive", "valve": "second", "delay": 1.5, "coupler": "draft-gear", "direct_pressure": 3.8},
 ]
 VEHICLES = len(ROWS)
 #: Units of the outputs of brakes and drives, as the page of trains gives them.
 UNITS = {
-    **dict.fromkeys(("pipe_pressure", "cylinder_pressure"), "Pa"),
+    **dict.fromkeys(("pipe_pressure", "cylinder_pressure", "main_reservoir_pressure"), "Pa"),
     **dict.fromkeys(("brake_force", "rail_force", "track_brake_force", "traction_force", "coupler_force"), "N"),
     **dict.fromkeys(("brake_temperature", "surface_temperature", "block_temperature"), "K"),
     **dict.fromkeys(("brake_heat", "traction_energy", "electric_brake_energy"), "J"),
-    "air_used": "kg",
+    **dict.fromkeys(("air_used", "compressor_air"), "kg"),
 }
 
 
@@ -77,6 +78,10 @@ def orders() -> dict[str, np.ndarray]:
         "track_brake": shares(12, 34),
         "parking_brake": shares(0, 60),
         "traction": shares(0, 8),
+        "direct_brake": shares(30, 60),
+        "bail_off": np.where((steps > 12) & (steps < 29) & (one == VEHICLES - 1), 1, 0),
+        "penalty": np.where((steps > 64) & (steps < 72), [[1, 0]], 0),
+        "vigilance": np.where(steps % 24 < 12, [[1, 0]], 0),
     }
 
 
@@ -223,7 +228,7 @@ def test_the_page_of_trains_has_each_parameter_input_and_output_of_the_fmu() -> 
 
 def test_the_pages_of_trains_have_each_column_of_a_consist() -> None:
     found = set[str]()
-    for name in ("train", "train-brakes", "train-couplers", "vacuum-brakes"):
+    for name in ("train", "train-brakes", "train-cab", "train-couplers", "vacuum-brakes"):
         text = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
         cells = re.findall(r"^\|([^|]*)\|", text, re.MULTILINE)
         found |= {word for cell in cells for word in re.findall(r"`(\w+)`", cell)}

@@ -40,6 +40,11 @@ def row_of(draw: np.random.Generator) -> dict[str, Any]:
     row |= {name: draw.uniform(10.0, limit) for name, limit in most.items() if draw.random() < 0.2}
     row |= {"traction_table": "0:300 50:200 120:0", "adhesion": "curtius-kniffler"} if draw.random() < 0.2 else {}
     brake = str(draw.choice(["uic", "aar", "ecp", "ep_uic", "twin_pipe", "ep-direct", "none"]))
+    if brake != "none" and draw.random() < 0.3:
+        row |= {"direct_pressure": draw.uniform(0.5, 6.0), "direct_volume": 10.0 ** draw.uniform(-0.3, 2.3)}
+        row |= {f"direct_{way}_time": 10.0 ** draw.uniform(-0.3, 1.7) for way in ("fill", "release")}
+    if "dynamic_force" in row and brake in ("uic", "aar", "ep_uic", "twin_pipe"):
+        row |= {"blending": "interlock"} if draw.random() < 0.5 else {}
     if brake == "none":
         return row | {"brake": brake}
     row |= heat_of(draw, kind) if draw.random() < 0.3 else {}
@@ -68,13 +73,18 @@ def heat_of(draw: np.random.Generator, kind: str) -> dict[str, Any]:
 def train_of(draw: np.random.Generator) -> Train:
     """Return a random train on a random line."""
     rows = [row_of(draw) | {"valve": "head"}, *(row_of(draw) for _ in range(draw.integers(0, 9)))]
+    delayed = draw.random() < 0.2  # a delay has no flow of air
+    if not delayed:
+        cut_out = draw.uniform(6.5, 8.0)
+        rows[0] |= {"main_reservoir": 10.0 ** draw.uniform(1.4, 4.0), "compressor": 10.0 ** draw.uniform(2.0, 4.0)}
+        rows[0] |= {"cut_in": cut_out - 1.0, "cut_out": cut_out, "vigilance_time": 2.0, "warning_time": 1.0}
     if len(rows) > 1 and draw.random() < 0.3:
         rows[-1] |= {"valve": "second", "delay": draw.uniform(0.0, 2.0)}
     places = np.cumsum(draw.uniform(1.0, 800.0, 5)) - 1000.0
     line = Line({"distance": places, "gradient": draw.uniform(-0.05, 0.05, 5)})
     assisted = any(row.get("distributor") == "ep_uic" for row in rows)
     leaks = any("leak" in row for row in rows)
-    models = ["whole", "whole", "empirical", *([] if assisted or leaks else ["delay"])]
+    models = ["whole", "whole", "empirical", *(["delay"] * 3 if delayed and not (assisted or leaks) else [])]
     # One cell in all would be a resonator without friction: its air swings far above the supply.
     cells = [1.0, 1.0, 2.0, *([0.5] if len(rows) > 2 else [])]
     settings = Settings(str(draw.choice(models)), cells=float(draw.choice(cells)))
@@ -92,7 +102,11 @@ def disturb(train: Train, draw: np.random.Generator) -> None:
     train.inputs["protection"] = draw.choice([0.0, 0.0, 0.0, 1.0, 2.0], vehicles)
     train.inputs["friction"] = draw.uniform(0.02, 0.6, vehicles)
     train.inputs["pull"] = draw.choice([0.0, 0.0, 1.0], vehicles) * draw.uniform(-2e5, 3e5, vehicles)
-    for name in ("dynamic_brake", "traction", "track_brake", "parking_brake"):
+    train.inputs["penalty"] = draw.choice([0.0, 0.0, 0.0, 1.0, 2.0])
+    train.inputs["bail_off"] = (
+        0.0 if "bail_off" in idle_inputs(train.consist) else draw.choice([0.0, 0.0, 1.0], vehicles)
+    )
+    for name in ("dynamic_brake", "traction", "track_brake", "parking_brake", "direct_brake"):
         shares = draw.choice([0.0, 0.0, 1.0], vehicles) * draw.random(vehicles)
         train.inputs[name] = 0.0 if name in idle_inputs(train.consist) else shares
     if vehicles > 1 and train.settings.cells >= 1.0 and draw.random() < 0.5:

@@ -19,13 +19,13 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from brake_controller.distributors import DISTRIBUTORS
-from brake_controller.vehicle_protection import BUILT_IN, NO_PROTECTION
 from fmu_src.arrays_fmu import all_sources
 from fmu_src.compile import FLAGS, compiler, objects_of
 from fmu_src.cosimulation.faces import face_of
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.building import write_in_c
 from products.train.consist import Consist, block_train
+from products.train.consist_file import consist_of
 from products.train.fmu import OUTPUTS, train_fmu, train_in_c
 from products.train.layout import layout
 from products.train.library import functions
@@ -572,9 +572,9 @@ def test_the_pipe_in_c_reads_and_writes_nothing_but_its_own(programs: dict, tmp_
 
 @pytest.mark.study
 def test_numbers_that_are_no_train_s_make_none_or_one_that_runs(programs: dict, tmp_path: Path) -> None:
-    head, last = block_train(1).vehicles
-    protected = replace(head, protection=replace(NO_PROTECTION, controller=float(BUILT_IN)))
-    one = write_numbers(Consist((protected, last)), Settings(cells=1.0), tmp_path / "one")
+    own = {"direct_pressure": 3.8, "main_reservoir": 800, "vigilance_time": 1, "protection": "built-in"}
+    consist = consist_of([{"kind": "locomotive"} | own, {"kind": "wagon"}])
+    one = write_numbers(consist, Settings(cells=1.0), tmp_path / "one")
     (tmp_path / "other").mkdir()
     done = run([programs["numbers_host"], one, tmp_path / "other", "3", "1500"], tmp_path)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
