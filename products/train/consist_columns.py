@@ -172,7 +172,9 @@ COUPLING = by_name(
 )
 #: Columns of a vehicle that is computed in detail, with its name.
 DETAIL = by_name(Quantity("level", "1", 1, 3, whole=True), Quantity("contact_model", "1", 1, 3, whole=True))
-NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING | SLIDE | DETAIL | VACUUM | CAB
+NUMBERS = (
+    VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING | SLIDE | DETAIL | VACUUM | CAB
+)
 #: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
 WORDS: dict[str, Collection[str]] = {
     "kind": tuple(KINDS),
