@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from fmu_src.variables import Variable as Variable
     from products.train.cleaning import CleanedRail as CleanedRail
     from products.train.driver import HoldingDriver as HoldingDriver
-    from products.train.timetable import StationStop as StationStop
+    from products.train.stations import StationStop as StationStop
     from products.train.timetable import TimetableDriver as TimetableDriver
     from products.vehicle_file import read_vehicle as read_vehicle
     from rbd_model.track.line import Line as Line
@@ -91,7 +91,8 @@ _HOMES = {
     "fmu_src.variables": ("Variable",),
     "products.train.cleaning": ("CleanedRail",),
     "products.train.driver": ("HoldingDriver",),
-    "products.train.timetable": ("StationStop", "TimetableDriver"),
+    "products.train.stations": ("StationStop",),
+    "products.train.timetable": ("TimetableDriver",),
     "products.vehicle_file": ("read_vehicle",),
     "rbd_model.track.line": ("Line", "arc", "clothoid", "line_of", "straight"),
     "rbd_model.track.line_elements": ("line_from_elements",),

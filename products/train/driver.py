@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from brake_controller.distributors import kind_of
 from products.train.consist import Consist
+from products.train.starting import StartWatch
 from products.train.train import Train, within
 
 #: Fall of the pipe at the first step of service as a share of that at full service: 0.4 of 1.5 bar (UIC 540).
@@ -86,6 +87,7 @@ class HoldingDriver:
     period: float = 1.0
     added: float = 0.0
     air: float = 0.0
+    _watch: StartWatch = field(default_factory=StartWatch)
 
     def __post_init__(self) -> None:
         for name, (least, most, unit) in LIMITS.items():
@@ -95,13 +97,14 @@ class HoldingDriver:
         """Set the driver's valve of the head, the dynamic brakes and the traction of a train.
 
         Call it once a `period`, before the train advances. Raises ValueError if no vehicle has the dynamic brake that
-        the driver counts on.
+        the driver counts on, or if the train does not start.
         """
         if self.dynamic and not any(one.electric.dynamic_force > 0.0 for one in train.consist.vehicles):
             raise ValueError(
                 f"dynamic must be 0 with a train without dynamic brakes; got {self.dynamic:g}. State dynamic_force of "
                 "a vehicle."
             )
+        self._watch.look(train)
         if rolls_back(train):
             self.air = hold(train)
             return

@@ -4,150 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from brake_controller.distributors import kind_of
-from brake_controller.electric_brake import blending
-from brake_controller.traction import driving
 from fmu_src.cosimulation.recording import Recording
-from products.train.consist import Consist, TrainVehicle, forces_of
 from products.train.driver import LEAST, direct_release, hold, rolls_back
+from products.train.driver_forces import SPEEDS, moved_mass, train_forces
+from products.train.energy_plan import EnergyPlan, allowed_speed
+from products.train.starting import StartWatch
+from products.train.stations import LIMITS, StationCall, StationStop, check_limits, check_stops
 from products.train.train import LONGEST, Train, within
-from rbd_model.track.adhesion_laws import at_speed
-from rbd_model.train.vehicle import GRAVITY
 from readers.usual import note
 
 #: Time between two actions [s]; times of the correction of a speed, and of the estimate of a gradient [s]. Assumed.
 PERIOD, CORRECTS, FEELS = 0.5, 5.0, 4.0
+#: Time in which a train that saves energy meets a braking curve [s]: it coasts until then. Assumed.
+NEAR = 3.0
+#: Time that a profile leaves to the end of the stop [s]: brakes build up, and air ends it. Assumed.
+STOPPING = 1.0
 #: Time by which braking curves are looked ahead, and of the rise to full service [s], by the pipe and by wire. Assumed.
 ANSWERS, MOVES = {False: 3.0, True: 1.5}, {False: 4.0, True: 1.5}
 #: Time in which traction that slipping has reduced comes back [s]. Assumed.
 RETURNS = 8.0
 #: Slip that halves traction: factor of the speed, and added [m/s]. Speed below which air ends a stop [m/s]. Assumed.
 SLIPS, ENDS = (1.1, 0.5), 0.3
-#: Speeds of the forces that the driver knows [m/s].
-SPEEDS = np.linspace(0.0, 150.0, 1501)
-#: Lower and upper limits of a driver's numbers, with their units.
-LIMITS = {
-    "deceleration": (0.05, 1.5, "m/s2"),
-    "within": (0.1, 100.0, "m"),
-    "adhesion": (0.01, 1.0, ""),
-    "place": (-1e7, 1e7, "m"),
-    "speed": (0.5, 112.0, "m/s"),  # 400 km/h
-}
-
-
-@dataclass(frozen=True)
-class StationStop:
-    """A stop of the train's front.
-
-    place: distance along the line [m]. arrival: time at which it is due [s]; 0: as early as possible. standing: least
-    time at rest [s]. departure: not before this time [s]; 0: any. Raises ValueError if a number is out of its limits (a
-    time: 0 to a day), or if the departure is before the arrival.
-    """
-
-    place: float
-    arrival: float = 0.0
-    standing: float = 30.0
-    departure: float = 0.0
-
-    def __post_init__(self) -> None:
-        within("place", self.place, *LIMITS["place"])
-        for name, value in (("arrival", self.arrival), ("standing", self.standing), ("departure", self.departure)):
-            within(name, value, 0.0, LONGEST, "s")
-        if 0.0 < self.departure < self.arrival:
-            raise ValueError(
-                f"departure must be 0 s or not before arrival = {self.arrival:g} s; got {self.departure:g} s. Correct "
-                "one of them."
-            )
-
-
-@dataclass(frozen=True)
-class StationCall:
-    """A stop as it was made: place of the stop [m], overrun of the front (below 0: short) [m], times [s].
-
-    late: arrival behind the timetable [s]; 0 for a stop without a due time.
-    """
-
-    place: float
-    overrun: float
-    arrived: float
-    late: float
-
-
-def _vehicle_forces(train_vehicle: TrainVehicle) -> np.ndarray:
-    """Return the largest forces of a vehicle's motors, dynamic brake and air brake over SPEEDS [N], shape (4, n).
-
-    The last row is the weight on driven wheels times the fall of adhesion by Curtius and Kniffler.
-    """
-    wired = kind_of(train_vehicle.distributor).wired  # the driver's valve demands both brakes of such a vehicle
-    motors = list(replace(train_vehicle.traction, traction_rise=0.0).values().values())
-    electric = list(replace(train_vehicle.electric, dynamic_rise=0.0, blended_pressure=0.0).values().values())
-    speed = SPEEDS[None, :]
-
-    def each(values: list[float]) -> np.ndarray:
-        return np.tile(np.array(values)[:, None], SPEEDS.size)
-
-    pulls = driving()(speed, each([1.0, 0.0, 1.0]), each(motors))
-    brakes = blending()(
-        speed, each([0.0, 1.0, 0.0, 1.0]), each(list(train_vehicle.brake.values().values())), each(electric)
-    )
-    air = forces_of(train_vehicle.brake, np.full(SPEEDS.size, train_vehicle.distributor.full_pressure), SPEEDS)
-    weight = train_vehicle.mass * GRAVITY * train_vehicle.braked_share * (train_vehicle.traction.traction_force > 0.0)
-    grips = weight * at_speed(SPEEDS) / at_speed(0.0)
-    return np.vstack([np.asarray(pulls)[0], 0.0 * SPEEDS if wired else np.asarray(brakes)[0], air, grips])
-
-
-def train_forces(consist: Consist) -> np.ndarray:
-    """Return the sums of `_vehicle_forces` over a train, shape (4, n)."""
-    found: dict[TrainVehicle, np.ndarray] = {}
-    total = np.zeros((4, SPEEDS.size))
-    for vehicle in consist.vehicles:
-        if vehicle not in found:
-            found[vehicle] = _vehicle_forces(vehicle)
-        total += found[vehicle]
-    return total
-
-
-def _check_stops(stops: Sequence[StationStop], apart: float) -> None:
-    """Raise ValueError if places or times of stops do not rise, or two stops are nearer than a distance [m]."""
-    if not isinstance(stops, (list, tuple)) or not all(isinstance(one, StationStop) for one in stops):
-        raise ValueError(f"stops must be a list of StationStop; got {stops!r}. Make a StationStop of each place.")
-    for number, (one, other) in enumerate(pairwise(stops), 2):
-        if other.place <= one.place:
-            raise ValueError(
-                f"stops must have places that rise; stop {number} is at {other.place:g} m, the one before at "
-                f"{one.place:g} m. Sort them."
-            )
-        if other.place - one.place < apart:
-            raise ValueError(
-                f"stops must be at least 2 within = {apart:g} m apart; stop {number} is at {other.place:g} m, the one "
-                f"before at {one.place:g} m. Leave one out, or take a smaller within."
-            )
-    times = [(n, time) for n, stop in enumerate(stops, 1) for time in (stop.arrival, stop.departure) if time]
-    for (before, early), (number, late) in pairwise(times):
-        if late < early:
-            raise ValueError(
-                f"stops must have times that rise; stop {number} has {late:g} s, and stop {before} has {early:g} s. "
-                "Correct one of them."
-            )
-
-
-def _check_limits(limits: Sequence[tuple[float, float]]) -> None:
-    """Raise ValueError if speed limits are not pairs of numbers, out of their limits, or at places that do not rise."""
-    if not isinstance(limits, (list, tuple)) or not all(
-        isinstance(limit, (list, tuple)) and len(limit) == 2 for limit in limits
-    ):
-        raise ValueError(f"limits must be a list of pairs (place, speed); got {limits!r}. Write [(0, 20)] for 20 m/s.")
-    for place, speed in limits:
-        within("place", place, *LIMITS["place"])
-        within("speed", speed, *LIMITS["speed"])
-    places = [place for place, _ in limits]
-    if any(other <= one for one, other in pairwise(places)):
-        raise ValueError(f"limits must have places that rise; got {places}. Sort them.")
 
 
 @dataclass
@@ -171,12 +53,17 @@ class TimetableDriver:
         A train that stands short of a stop by more draws up [m].
     adhesion : float
         Adhesion at standstill that traction uses at most [1].
+    energy : bool
+        Whether the train arrives with the least energy instead of at a steady speed: it follows a profile of full
+        power, held speed, coasting and braking (`speed_profile`), with the gradients of the train's line.
+    recovery : float
+        Share of the electric brake's energy that the profile counts as recovered [1].
 
     Raises
     ------
     ValueError
-        If stops or limits are missing or do not rise, stops are nearer than 2 `within`, or a number is out of its
-        limits.
+        If stops or limits are missing or do not rise, stops are nearer than 2 `within`, a number is out of its
+        limits, or `energy` or `recovery` has no effect.
     """
 
     stops: Sequence[StationStop]
@@ -184,6 +71,8 @@ class TimetableDriver:
     deceleration: float = 0.5
     within: float = 5.0
     adhesion: float = 0.25
+    energy: bool = False
+    recovery: float = 0.0
     calls: list[StationCall] = field(default_factory=list)
     air: float = 0.0
     load: float = 0.0
@@ -195,14 +84,20 @@ class TimetableDriver:
     _seen: float = 0.0
     _wired: bool = False
     _looks: float = 1.0
+    _plan: EnergyPlan | None = None
+    _watch: StartWatch = field(default_factory=StartWatch)
 
     def __post_init__(self) -> None:
-        for name in ("deceleration", "within", "adhesion"):
+        for name in ("deceleration", "within", "adhesion", "recovery"):
             within(name, getattr(self, name), *LIMITS[name])
-        _check_stops(self.stops, 2 * self.within)
-        _check_limits(self.limits)
+        check_stops(self.stops, 2 * self.within)
+        check_limits(self.limits)
         if not self.stops or not self.limits:
             raise ValueError("A timetable must have at least one stop and one speed limit. Add them.")
+        if self.energy and not any(stop.arrival for stop in self.stops):
+            raise ValueError("energy must come with a stop that has an arrival; got none. State arrival of a stop.")
+        if self.recovery and not self.energy:
+            raise ValueError(f"recovery must be 0 without energy; got {self.recovery:g}. Set energy=True.")
 
     def target(self, front: float, length: float, time: float, ahead: float) -> tuple[float, float]:
         """Return the speed to drive at [m/s], and its rate [m/s2].
@@ -219,8 +114,7 @@ class TimetableDriver:
         stop = self.stops[len(self.calls)]
         places = np.array([place for place, _ in self.limits])
         speeds = np.array([speed for _, speed in self.limits])
-        first, last = (max(int(np.searchsorted(places, at, "right")) - 1, 0) for at in (front - length, front))
-        best, rate = float(speeds[first : last + 1].min()), 0.0
+        best, rate = allowed_speed(self.limits, front, length), 0.0
         goals = [(p, v) for p, v in zip(places, speeds, strict=True) if p > front and v < best]
         for place, speed in (*goals, (stop.place, 0.0)):
             curve = math.sqrt(speed**2 + 2 * self.deceleration * max(place - front - ahead, 0.0))
@@ -228,7 +122,7 @@ class TimetableDriver:
                 best, rate = curve, -self.deceleration
         due = (
             self._due(stop.arrival - time - ANSWERS[self._wired], stop.place - front - ahead)
-            if stop.arrival
+            if stop.arrival and not self.energy
             else math.inf
         )
         return (due, 0.0) if due < best else (best, rate)
@@ -244,7 +138,7 @@ class TimetableDriver:
         """Set valve, traction and dynamic brakes of a train; call it once a PERIOD before the train advances.
 
         After the last stop the train is held. Raises ValueError for another train, one without motors or with brakes
-        that release wholly, and one whose front is past the first stop.
+        that release wholly, one whose front is past the first stop, and one that does not start.
         """
         if self._forces is None:
             self._begin(train)
@@ -256,16 +150,36 @@ class TimetableDriver:
         speed, front = float(train.speed[0]), self.front(train)
         if self._holds(train, front):
             self.air, self._before, self._seen, self.load = hold(train), speed, train.time, 0.0
+            self._watch.reset()
             return
+        self._watch.look(train, self.adhesion)
         if rolls_back(train):
             self.air, self._before, self._seen = hold(train), speed, train.time
             return
-        motors, electric, full, grips = (float(np.interp(speed, SPEEDS, row)) for row in self._forces)
-        mass = sum((1 + vehicle.rotating_share) * vehicle.mass for vehicle in train.consist.vehicles)
+        motors, electric, full, grips, _ = (float(np.interp(speed, SPEEDS, row)) for row in self._forces)
+        mass = moved_mass(train.consist)
         self._feel(train, mass, speed)
-        aim, rate = self.target(front, train.consist.length, train.time, self._looks * speed * ANSWERS[self._wired])
-        needed = mass * (rate * (speed > 0.9 * aim) + (aim - speed) / CORRECTS) - self.load
-        self._set(train, min(needed, self.adhesion * grips), motors, electric, full)
+        allowed = self._allowed(front, speed, train)
+        needed = min(mass * allowed - self.load, self._saving(front, speed, mass), self.adhesion * grips)
+        self._set(train, needed, motors, electric, full)
+
+    def _allowed(self, front: float, speed: float, train: Train) -> float:
+        """Return the acceleration that leads to limits and stops [m/s2]."""
+        length, ahead = train.consist.length, self._looks * speed * ANSWERS[self._wired]
+        aim, rate = self.target(front, length, train.time, ahead)
+        allowed = rate * (speed > 0.9 * aim) + (aim - speed) / CORRECTS
+        if self._plan is None:
+            return allowed
+        soon, _ = self.target(front, length, train.time, max(ahead, speed * NEAR))
+        return max(allowed, (soon - speed) / NEAR) if soon > 0.0 else allowed
+
+    def _saving(self, front: float, speed: float, mass: float) -> float:
+        """Return the force of the profile of least energy [N]; infinity without one."""
+        stop = self.stops[len(self.calls)]
+        if self._plan is None or not stop.arrival:
+            return math.inf
+        rate, coasts = self._plan.acceleration(front, speed, stop.place, stop.arrival - STOPPING)
+        return 0.0 if coasts else mass * rate - self.load
 
     def _begin(self, train: Train) -> None:
         """Take the forces of a train. Raises ValueError as `act`."""
@@ -286,7 +200,17 @@ class TimetableDriver:
                 f"The first stop must not be behind the front of the train at {front:g} m; got {first:g} m. "
                 "Leave it out."
             )
+        if self.recovery and not forces[4].any():
+            raise ValueError(
+                f"recovery must be 0 with a train without electric brakes; got {self.recovery:g}. State dynamic_force "
+                "of a vehicle."
+            )
         self._train, self._forces = train, forces
+        if self.energy:
+            rise = max(vehicle.traction.traction_rise for vehicle in train.consist.vehicles)
+            answers = rise / 4 + PERIOD / 2  # motors fall as slowly as they rise, from half of their force as a mean
+            numbers = self.deceleration, self.adhesion, self.recovery, answers
+            self._plan = EnergyPlan(train, forces, self.limits, *numbers)
         self._before, self._seen = float(train.speed[0]), train.time
 
     @staticmethod

@@ -170,6 +170,7 @@ class Train:
             raise TypeError(f"settings must be a Settings of products.train.numbers, or None; got {settings!r}.")
         self.consist, self.settings = consist, settings or Settings()
         self.imported: Imported | None = None
+        self._line = line
         self._notes = [said for said in [note("speed", speed, "m/s")] if said]
         numbers = numbers_of(consist, self.settings, line)
         self._call = functions()
@@ -267,6 +268,11 @@ class Train:
         within("The time", time, 0.0, LONGEST, "s")
         self._note("advance", time)
         self._advance(time)
+
+    @property
+    def line(self) -> Line | None:
+        """Line of the train; None: straight, level track."""
+        return self._line
 
     @property
     def mark(self) -> str:

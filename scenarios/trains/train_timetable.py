@@ -18,7 +18,8 @@ from bogie_braking.reporting.report import Report, Row, at_most, measured, near
 from bogie_braking.reporting.scenario import Options, Scenario
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist_file import consist_of
-from products.train.timetable import StationStop, TimetableDriver
+from products.train.stations import StationStop
+from products.train.timetable import TimetableDriver
 from products.train.train import Train
 from rbd_model.train.vehicle import GRAVITY
 

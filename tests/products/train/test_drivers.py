@@ -13,7 +13,8 @@ from brake_controller.air import AMBIENT
 from brake_controller.distributors import DISTRIBUTORS
 from products.train.consist_file import consist_of
 from products.train.driver import HoldingDriver
-from products.train.timetable import PERIOD, StationStop, TimetableDriver
+from products.train.stations import StationStop
+from products.train.timetable import PERIOD, TimetableDriver
 from products.train.train import Train
 from rbd_model.track.line import Line
 
