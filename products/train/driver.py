@@ -8,6 +8,7 @@ import numpy as np
 
 from brake_controller.distributors import kind_of
 from products.train.consist import Consist
+from products.train.cycle_braking import CycleBraking
 from products.train.starting import StartWatch
 from products.train.train import Train, within
 
@@ -57,8 +58,8 @@ class HoldingDriver:
     `dynamic` of it, and air the rest: the driver's valve is in service, or running below half of its first step.
     A demand below 0 is traction, in trains with motors: five times that share of their largest force.
     A train that rolls back is held by air, without traction. Where a vehicle's brake releases wholly, as AAR valves do,
-    air is never reduced in part: it stays until the demand needs none. The speed of 10 to 20 AAR wagons on 10 to 15
-    permille varies by 2 m/s. On 15 permille from 50 km/h, 30 wagons of 100 t exhaust their reservoirs and run away.
+    air is never reduced in part. With motors or `dynamic` such a train brakes in cycles (`cycle_braking`). Without both,
+    air stays until the demand needs none: on 15 permille from 50 km/h, 30 wagons of 100 t run away.
     Gains are assumed: 1 m/s too fast adds a tenth of the brake, and T is longer than the release of a cylinder.
 
     Parameters
@@ -88,6 +89,7 @@ class HoldingDriver:
     added: float = 0.0
     air: float = 0.0
     _watch: StartWatch = field(default_factory=StartWatch)
+    _descent: CycleBraking | None = None
 
     def __post_init__(self) -> None:
         for name, (least, most, unit) in LIMITS.items():
@@ -108,7 +110,11 @@ class HoldingDriver:
         if rolls_back(train):
             self.air = hold(train)
             return
+        wholly = bool(direct_release(train.consist))
         pulls = any(vehicle.traction.traction_force > 0.0 for vehicle in train.consist.vehicles)
+        if wholly and (pulls or self.dynamic):
+            self._cycle(train)
+            return
         fast = float(train.speed[0]) - self.speed
         demand = self.added + self.gain * fast
         if (-1.0 / PULLS if pulls else 0.0) < demand < 1.0 or demand * fast < 0.0:  # no wind-up beyond the brake
@@ -121,9 +127,25 @@ class HoldingDriver:
         wanted = max(demand - self.dynamic, 0.0) / (1.0 - self.dynamic)
         change = self.period / MOVES
         least = self.air - change
-        if direct_release(train.consist):  # a reduction releases such a brake wholly
+        if wholly:  # a reduction releases such a brake wholly
             least = self.air if wanted > 0.0 else 0.0
         self.air = float(np.clip(wanted, least, self.air + change))
+        self._set_air(train)
+
+    def _cycle(self, train: Train) -> None:
+        """Brake a train whose brakes release wholly."""
+        if self._descent is None or self._descent.train is not train:
+            self._descent = CycleBraking(train, LEAST)
+        self._descent.act(self.speed, self.dynamic > 0.0)
+        self.air = self._descent.air
+        if self.dynamic:
+            train.inputs["dynamic_brake"] = self._descent.dynamic
+        if any(vehicle.traction.traction_force > 0.0 for vehicle in train.consist.vehicles):
+            train.inputs["traction"] = self._descent.traction
+        self._set_air(train)
+
+    def _set_air(self, train: Train) -> None:
+        """Set the driver's valve for the share of the air brake."""
         if self.air < LEAST / 2:
             train.drive("running")
         else:

@@ -77,8 +77,8 @@ class EnergyPlan:
         """
         ahead = front + speed * self.answers
         if self.profile is None or self.profile.place[-1] != stop:
-            self._plan(ahead, speed, stop, due, 0.0)
-            self.price = self.profile.price
+            self.price = math.inf
+            self.price = self._plan(ahead, speed, stop, due, 0.0)
         elif self._is_away(front, speed, due):
             self._plan(ahead, speed, stop, due, LATE)
         profile = self.profile
@@ -89,11 +89,12 @@ class EnergyPlan:
         wanted = np.sqrt(np.interp(front, profile.place, square))
         return rate + (wanted - speed) / CORRECTS, bool(abs(profile.force[cell]) < COASTS)
 
-    def _plan(self, place: float, speed: float, stop: float, due: float, late: float) -> None:
-        """Make a profile from a place on [m] that may be late by a time [s], for a multiple of the first price."""
+    def _plan(self, place: float, speed: float, stop: float, due: float, late: float) -> float:
+        """Make a profile from a place on [m] that may be late by a time [s] at a price; return its own price."""
         self.begun = self.train.time + self.answers
         price = DEAR * self.price if math.isfinite(self.price) else 0.0
         self.profile = least_energy(self.leg(place, stop), speed, Due(due - self.begun, late if price else 0.0, price))
+        return self.profile.price
 
     def _is_away(self, front: float, speed: float, due: float) -> bool:
         """Return whether the train has left the profile, and there is time to make a new one."""

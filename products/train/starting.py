@@ -60,7 +60,7 @@ class StartWatch:
         motors = sum(one.traction.traction_force * one.traction.shape_start for one in driven)
         grip = sum(one.mass * GRAVITY * one.braked_share for one in driven)
         if self.brakes > max(self.pull, 1.0):
-            return "Release its brakes, and look at the inputs of parking and track brakes."
+            return "Release its brakes: charge the pipe, and look at retainers, parking and track brakes."
         if not driven:
             return "State traction_force of a vehicle."
         if self.pull > 0.95 * motors:

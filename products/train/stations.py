@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,6 +15,7 @@ LIMITS = {
     "within": (0.1, 100.0, "m"),
     "adhesion": (0.01, 1.0, ""),
     "recovery": (0.0, 1.0, ""),
+    "jerk": (0.1, 10.0, "m/s3"),
     "place": (-1e7, 1e7, "m"),
     "speed": (0.5, 112.0, "m/s"),  # 400 km/h
 }
@@ -93,3 +95,18 @@ def check_limits(limits: Sequence[tuple[float, float]]) -> None:
     places = [place for place, _ in limits]
     if any(other <= one for one, other in pairwise(places)):
         raise ValueError(f"limits must have places that rise; got {places}. Sort them.")
+
+
+def stopping_speed(way: float, deceleration: float, jerk: float = 0.0) -> float:
+    """Return the speed from which a train stops in a way [m/s].
+
+    v^2 = 2 b s. With a limit of the jerk j [m/s3] the deceleration falls to 0 at the end, b = sqrt(2 j v) from
+    v = b^2 / 2 j on: s = (2 / 3) v^1.5 / sqrt(2 j) there.
+    """
+    if not jerk:
+        return math.sqrt(2 * deceleration * way)
+    ends = deceleration**2 / (2 * jerk)
+    last = deceleration**3 / (6 * jerk**2)
+    if way < last:
+        return float((1.5 * math.sqrt(2 * jerk) * way) ** (2 / 3))
+    return math.sqrt(ends**2 + 2 * deceleration * (way - last))

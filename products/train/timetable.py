@@ -14,7 +14,7 @@ from products.train.driver import LEAST, direct_release, hold, rolls_back
 from products.train.driver_forces import SPEEDS, moved_mass, train_forces
 from products.train.energy_plan import EnergyPlan, allowed_speed
 from products.train.starting import StartWatch
-from products.train.stations import LIMITS, StationCall, StationStop, check_limits, check_stops
+from products.train.stations import LIMITS, StationCall, StationStop, check_limits, check_stops, stopping_speed
 from products.train.train import LONGEST, Train, within
 from readers.usual import note
 
@@ -30,6 +30,8 @@ ANSWERS, MOVES = {False: 3.0, True: 1.5}, {False: 4.0, True: 1.5}
 RETURNS = 8.0
 #: Slip that halves traction: factor of the speed, and added [m/s]. Speed below which air ends a stop [m/s]. Assumed.
 SLIPS, ENDS = (1.1, 0.5), 0.3
+#: Time between two actions [s], and speed below which air ends a stop [m/s], with a limit of the jerk. Assumed.
+QUICK, SOFT = 0.1, 0.02
 
 
 @dataclass
@@ -58,6 +60,9 @@ class TimetableDriver:
         power, held speed, coasting and braking (`speed_profile`), with the gradients of the train's line.
     recovery : float
         Share of the electric brake's energy that the profile counts as recovered [1].
+    jerk : float
+        Largest rate of acceleration and deceleration that the commands lead to [m/s3], at the stop, too; 0: no limit.
+        All vehicles must have `brake = "ep-direct"`. Then `act` is to be called each 0.1 s, `period`.
 
     Raises
     ------
@@ -73,6 +78,7 @@ class TimetableDriver:
     adhesion: float = 0.25
     energy: bool = False
     recovery: float = 0.0
+    jerk: float = 0.0
     calls: list[StationCall] = field(default_factory=list)
     air: float = 0.0
     load: float = 0.0
@@ -85,11 +91,14 @@ class TimetableDriver:
     _wired: bool = False
     _looks: float = 1.0
     _plan: EnergyPlan | None = None
+    _rate: float = 0.0
     _watch: StartWatch = field(default_factory=StartWatch)
 
     def __post_init__(self) -> None:
         for name in ("deceleration", "within", "adhesion", "recovery"):
             within(name, getattr(self, name), *LIMITS[name])
+        if self.jerk:
+            within("jerk", self.jerk, *LIMITS["jerk"])
         check_stops(self.stops, 2 * self.within)
         check_limits(self.limits)
         if not self.stops or not self.limits:
@@ -98,6 +107,11 @@ class TimetableDriver:
             raise ValueError("energy must come with a stop that has an arrival; got none. State arrival of a stop.")
         if self.recovery and not self.energy:
             raise ValueError(f"recovery must be 0 without energy; got {self.recovery:g}. Set energy=True.")
+
+    @property
+    def period(self) -> float:
+        """Time between two calls of `act` [s]."""
+        return QUICK if self.jerk else PERIOD
 
     def target(self, front: float, length: float, time: float, ahead: float) -> tuple[float, float]:
         """Return the speed to drive at [m/s], and its rate [m/s2].
@@ -116,10 +130,14 @@ class TimetableDriver:
         speeds = np.array([speed for _, speed in self.limits])
         best, rate = allowed_speed(self.limits, front, length), 0.0
         goals = [(p, v) for p, v in zip(places, speeds, strict=True) if p > front and v < best]
-        for place, speed in (*goals, (stop.place, 0.0)):
+        for place, speed in goals:
             curve = math.sqrt(speed**2 + 2 * self.deceleration * max(place - front - ahead, 0.0))
             if curve < best:
                 best, rate = curve, -self.deceleration
+        curve = stopping_speed(max(stop.place - front - ahead, 0.0), self.deceleration, self.jerk)
+        if curve < best:
+            best = curve
+            rate = -min(self.deceleration, math.sqrt(2 * self.jerk * curve) if self.jerk else math.inf)
         due = (
             self._due(stop.arrival - time - ANSWERS[self._wired], stop.place - front - ahead)
             if stop.arrival and not self.energy
@@ -135,7 +153,7 @@ class TimetableDriver:
         return max(b * (left - math.sqrt(left**2 - 2 * way / b)), LIMITS["speed"][0])
 
     def act(self, train: Train) -> None:
-        """Set valve, traction and dynamic brakes of a train; call it once a PERIOD before the train advances.
+        """Set valve, traction and dynamic brakes of a train; call it once a `period` before the train advances.
 
         After the last stop the train is held. Raises ValueError for another train, one without motors or with brakes
         that release wholly, one whose front is past the first stop, and one that does not start.
@@ -150,28 +168,43 @@ class TimetableDriver:
         speed, front = float(train.speed[0]), self.front(train)
         if self._holds(train, front):
             self.air, self._before, self._seen, self.load = hold(train), speed, train.time, 0.0
+            self._rate = 0.0
             self._watch.reset()
             return
         self._watch.look(train, self.adhesion)
         if rolls_back(train):
             self.air, self._before, self._seen = hold(train), speed, train.time
             return
-        motors, electric, full, grips, _ = (float(np.interp(speed, SPEEDS, row)) for row in self._forces)
+        motors, electric, full, grips, every = (float(np.interp(speed, SPEEDS, row)) for row in self._forces)
+        electric = every if self.jerk else electric  # the input `dynamic_brake` demands it from vehicles by wire, too
         mass = moved_mass(train.consist)
         self._feel(train, mass, speed)
         allowed = self._allowed(front, speed, train)
         needed = min(mass * allowed - self.load, self._saving(front, speed, mass), self.adhesion * grips)
+        needed = self._smooth(train, needed, mass) if self.jerk else needed
         self._set(train, needed, motors, electric, full)
+
+    def _smooth(self, train: Train, needed: float, mass: float) -> float:
+        """Return a force [N] whose acceleration changes at the limited rate; traction waits for the brakes' release."""
+        change = self.jerk * self.period
+        standing = float(train.speed[0]) == 0.0 and float(np.sum(train.brake_force)) > 0.0
+        rate = min((needed + self.load) / mass, 0.0) if standing else (needed + self.load) / mass
+        self._rate = float(np.clip(rate, self._rate - change, self._rate + change))
+        return mass * self._rate - self.load
 
     def _allowed(self, front: float, speed: float, train: Train) -> float:
         """Return the acceleration that leads to limits and stops [m/s2]."""
-        length, ahead = train.consist.length, self._looks * speed * ANSWERS[self._wired]
+        length, ahead = train.consist.length, self._looks * speed * self._answers()
         aim, rate = self.target(front, length, train.time, ahead)
         allowed = rate * (speed > 0.9 * aim) + (aim - speed) / CORRECTS
         if self._plan is None:
             return allowed
         soon, _ = self.target(front, length, train.time, max(ahead, speed * NEAR))
         return max(allowed, (soon - speed) / NEAR) if soon > 0.0 else allowed
+
+    def _answers(self) -> float:
+        """Return the time by which braking curves are looked ahead [s]: the brakes' own, and half that of their rise."""
+        return ANSWERS[self._wired] + (self.deceleration / (2 * self.jerk) if self.jerk else 0.0)
 
     def _saving(self, front: float, speed: float, mass: float) -> float:
         """Return the force of the profile of least energy [N]; infinity without one."""
@@ -200,6 +233,10 @@ class TimetableDriver:
                 f"The first stop must not be behind the front of the train at {front:g} m; got {first:g} m. "
                 "Leave it out."
             )
+        if self.jerk and any(vehicle.electric.blended_pressure == 0.0 for vehicle in train.consist.vehicles):
+            raise ValueError(
+                f"jerk must be 0 unless all vehicles have brake = ep-direct; got {self.jerk:g} m/s3. Set jerk=0."
+            )
         if self.recovery and not forces[4].any():
             raise ValueError(
                 f"recovery must be 0 with a train without electric brakes; got {self.recovery:g}. State dynamic_force "
@@ -223,7 +260,7 @@ class TimetableDriver:
         if len(self.calls) == len(self.stops) or train.time < self.leaves:
             return True
         stop, fastest = self.stops[len(self.calls)], float(np.abs(train.speed).max())
-        if front <= stop.place - self.within or fastest >= ENDS:
+        if front <= stop.place - self.within or fastest >= (SOFT if self.jerk else ENDS):
             return False
         if fastest == 0.0:
             late = train.time - stop.arrival if stop.arrival > 0.0 else 0.0
@@ -243,24 +280,27 @@ class TimetableDriver:
     def _set(self, train: Train, needed: float, motors: float, electric: float, full: float) -> None:
         """Set the controls for a force [N] by the largest forces [N] of motors, dynamic brake and air."""
         slips = bool(np.any(train.wheel_speed > SLIPS[0] * train.speed + SLIPS[1]))
-        self.pulling = max(self.pulling / 2, 0.05) if slips else min(self.pulling + PERIOD / RETURNS, 1.0)
+        self.pulling = max(self.pulling / 2, 0.05) if slips else min(self.pulling + self.period / RETURNS, 1.0)
         pull = min(max(needed / max(motors, 1.0), 0.0), self.pulling)
         brake = max(-needed, 0.0)
         dynamic = min(brake / electric, 1.0) if electric else 0.0
         wanted = min(max(brake - dynamic * electric, 0.0) / max(full, 1.0), 1.0)
-        change = PERIOD / MOVES[self._wired]
+        change = self.period / MOVES[self._wired]
         self.air = float(np.clip(wanted, self.air - change, self.air + change))
         brakes = self.air >= LEAST / 2 or dynamic > 0.1
-        self._looks = max(self._looks - PERIOD / (2 * ANSWERS[self._wired]), 0.0) if brakes else 1.0
+        self._looks = max(self._looks - self.period / (2 * self._answers()), 0.0) if brakes else 1.0
+        if self.jerk:  # the electric brake begins, the valve's first step is larger
+            self.air = wanted = min(brake / max(full, 1.0), 1.0)
+            dynamic = min(brake / electric, 1.0) if electric and wanted < LEAST else 0.0
         released = self.air < LEAST / 2
         train.inputs["traction"], train.inputs["dynamic_brake"] = pull if released else 0.0, dynamic
         if released:
             train.drive("running")
         else:
-            train.drive("service", max(self.air - LEAST, 0.0) / (1 - LEAST))
+            train.drive("service", min(max(self.air - LEAST, 0.0) / (1 - LEAST), 1.0))
 
     def drive(self, train: Train, seconds: float = LONGEST) -> Recording:
-        """Drive a train to the last stop, or for a time [s], and record it each PERIOD.
+        """Drive a train to the last stop, or for a time [s], and record it each `period`.
 
         Returns
         -------
@@ -278,9 +318,9 @@ class TimetableDriver:
         units |= {"brake_force": "N", "traction_energy": "J", "electric_brake_energy": "J", "brake_heat": "J"}
         sums = list(units)[4:]
         rows, end = [self._row(train, sums)], train.time + seconds
-        while len(self.calls) < len(self.stops) and train.time < end - PERIOD / 2:
+        while len(self.calls) < len(self.stops) and train.time < end - self.period / 2:
             self.act(train)
-            train.advance(PERIOD)
+            train.advance(self.period)
             rows.append(self._row(train, sums))
         notes = [note(f"The limit at {place:g} m", speed, "m/s") for place, speed in self.limits]
         return Recording(units, np.array(rows), [said for said in (*notes, *train.messages) if said])
