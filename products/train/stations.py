@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -97,16 +96,13 @@ def check_limits(limits: Sequence[tuple[float, float]]) -> None:
         raise ValueError(f"limits must have places that rise; got {places}. Sort them.")
 
 
-def stopping_speed(way: float, deceleration: float, jerk: float = 0.0) -> float:
-    """Return the speed from which a train stops in a way [m/s].
+def stopping_rate(way: float, speed: float, jerk: float) -> float:
+    """Return the deceleration b [m/s2] that stops a train in a way [m] from a speed [m/s], with a soft end.
 
-    v^2 = 2 b s. With a limit of the jerk j [m/s3] the deceleration falls to 0 at the end, b = sqrt(2 j v) from
-    v = b^2 / 2 j on: s = (2 / 3) v^1.5 / sqrt(2 j) there.
+    At the end b falls to 0 at the rate of the jerk j [m/s3]: from v = b^2 / 2 j on. Before, v^2 / 2 b + b^3 / 24 j^2
+    = s. Within the end (2 / 3) v^2 / s, because s = (2 / 3) v^1.5 / sqrt(2 j) there.
     """
-    if not jerk:
-        return math.sqrt(2 * deceleration * way)
-    ends = deceleration**2 / (2 * jerk)
-    last = deceleration**3 / (6 * jerk**2)
-    if way < last:
-        return float((1.5 * math.sqrt(2 * jerk) * way) ** (2 / 3))
-    return math.sqrt(ends**2 + 2 * deceleration * (way - last))
+    way, rate = max(way, 1e-2), 0.0
+    for _ in range(8):
+        rate = speed**2 / (2 * max(way - rate**3 / (24 * jerk**2), way / 2))
+    return rate if speed > rate**2 / (2 * jerk) else 2 / 3 * speed**2 / way

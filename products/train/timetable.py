@@ -14,7 +14,7 @@ from products.train.driver import LEAST, direct_release, hold, rolls_back
 from products.train.driver_forces import SPEEDS, moved_mass, train_forces
 from products.train.energy_plan import EnergyPlan, allowed_speed
 from products.train.starting import StartWatch
-from products.train.stations import LIMITS, StationCall, StationStop, check_limits, check_stops, stopping_speed
+from products.train.stations import LIMITS, StationCall, StationStop, check_limits, check_stops, stopping_rate
 from products.train.train import LONGEST, Train, within
 from readers.usual import note
 
@@ -32,6 +32,10 @@ RETURNS = 8.0
 SLIPS, ENDS = (1.1, 0.5), 0.3
 #: Time between two actions [s], and speed below which air ends a stop [m/s], with a limit of the jerk. Assumed.
 QUICK, SOFT = 0.1, 0.02
+#: Time by which its brakes answer later [s], and share of the jerk that the curve of a stop uses. Assumed.
+BEFORE, SOFTER = 0.4, 0.7
+#: Deceleration by brakes below which traction may follow them [m/s2]. Assumed.
+BRAKED = 0.02
 
 
 @dataclass
@@ -92,6 +96,8 @@ class TimetableDriver:
     _looks: float = 1.0
     _plan: EnergyPlan | None = None
     _rate: float = 0.0
+    _stops: bool = False
+    _past: list[float] = field(default_factory=list)
     _watch: StartWatch = field(default_factory=StartWatch)
 
     def __post_init__(self) -> None:
@@ -130,14 +136,10 @@ class TimetableDriver:
         speeds = np.array([speed for _, speed in self.limits])
         best, rate = allowed_speed(self.limits, front, length), 0.0
         goals = [(p, v) for p, v in zip(places, speeds, strict=True) if p > front and v < best]
-        for place, speed in goals:
+        for place, speed in (*goals, *([] if self.jerk else [(stop.place, 0.0)])):
             curve = math.sqrt(speed**2 + 2 * self.deceleration * max(place - front - ahead, 0.0))
             if curve < best:
                 best, rate = curve, -self.deceleration
-        curve = stopping_speed(max(stop.place - front - ahead, 0.0), self.deceleration, self.jerk)
-        if curve < best:
-            best = curve
-            rate = -min(self.deceleration, math.sqrt(2 * self.jerk * curve) if self.jerk else math.inf)
         due = (
             self._due(stop.arrival - time - ANSWERS[self._wired], stop.place - front - ahead)
             if stop.arrival and not self.energy
@@ -168,7 +170,7 @@ class TimetableDriver:
         speed, front = float(train.speed[0]), self.front(train)
         if self._holds(train, front):
             self.air, self._before, self._seen, self.load = hold(train), speed, train.time, 0.0
-            self._rate = 0.0
+            self._rate, self._stops = 0.0, False
             self._watch.reset()
             return
         self._watch.look(train, self.adhesion)
@@ -187,8 +189,8 @@ class TimetableDriver:
     def _smooth(self, train: Train, needed: float, mass: float) -> float:
         """Return a force [N] whose acceleration changes at the limited rate; traction waits for the brakes' release."""
         change = self.jerk * self.period
-        standing = float(train.speed[0]) == 0.0 and float(np.sum(train.brake_force)) > 0.0
-        rate = min((needed + self.load) / mass, 0.0) if standing else (needed + self.load) / mass
+        braked = float(np.sum(train.brake_force)) > BRAKED * mass
+        rate = min((needed + self.load) / mass, 0.0 if braked else math.inf)
         self._rate = float(np.clip(rate, self._rate - change, self._rate + change))
         return mass * self._rate - self.load
 
@@ -197,13 +199,23 @@ class TimetableDriver:
         length, ahead = train.consist.length, self._looks * speed * self._answers()
         aim, rate = self.target(front, length, train.time, ahead)
         allowed = rate * (speed > 0.9 * aim) + (aim - speed) / CORRECTS
+        if self.jerk:
+            return min(allowed, self._softly(front, speed))
         if self._plan is None:
             return allowed
         soon, _ = self.target(front, length, train.time, max(ahead, speed * NEAR))
         return max(allowed, (soon - speed) / NEAR) if soon > 0.0 else allowed
 
+    def _softly(self, front: float, speed: float) -> float:
+        """Return the acceleration that ends at the next stop with a limited jerk [m/s2]; infinity far from it."""
+        way = self.stops[len(self.calls)].place - front
+        rising = 0.0 if self._stops else self.deceleration / (2 * self.jerk)
+        rate = stopping_rate(way - speed * (BEFORE + rising), speed, SOFTER * self.jerk)
+        self._stops = speed > 0.0 and (self._stops or rate >= self.deceleration)
+        return -rate if self._stops else math.inf
+
     def _answers(self) -> float:
-        """Return the time by which braking curves are looked ahead [s]: the brakes' own, and half that of their rise."""
+        """Return the time by which braking curves are looked ahead [s]: brakes answer, and rise by the jerk."""
         return ANSWERS[self._wired] + (self.deceleration / (2 * self.jerk) if self.jerk else 0.0)
 
     def _saving(self, front: float, speed: float, mass: float) -> float:
@@ -242,6 +254,8 @@ class TimetableDriver:
                 f"recovery must be 0 with a train without electric brakes; got {self.recovery:g}. State dynamic_force "
                 "of a vehicle."
             )
+        dead = max(vehicle.electric.dead_time for vehicle in train.consist.vehicles)
+        self._past = [0.0] * (round(dead / self.period) if self.jerk else 0)
         self._train, self._forces = train, forces
         if self.energy:
             rise = max(vehicle.traction.traction_rise for vehicle in train.consist.vehicles)
@@ -289,10 +303,13 @@ class TimetableDriver:
         self.air = float(np.clip(wanted, self.air - change, self.air + change))
         brakes = self.air >= LEAST / 2 or dynamic > 0.1
         self._looks = max(self._looks - self.period / (2 * self._answers()), 0.0) if brakes else 1.0
-        if self.jerk:  # the electric brake begins, the valve's first step is larger
-            self.air = wanted = min(brake / max(full, 1.0), 1.0)
-            dynamic = min(brake / electric, 1.0) if electric and wanted < LEAST else 0.0
-        released = self.air < LEAST / 2
+        least = LEAST / 2
+        if self.jerk:  # the electric brake begins: the valve's first step is larger
+            self.air, dynamic = min(brake / max(full, 1.0), 1.0), min(brake / electric, 1.0) if electric else 0.0
+            self._past.append(dynamic)
+            dynamic = self._past.pop(0)  # as late as the demand by wire
+            least = LEAST if brake < electric else LEAST / 4
+        released = self.air < least
         train.inputs["traction"], train.inputs["dynamic_brake"] = pull if released else 0.0, dynamic
         if released:
             train.drive("running")
