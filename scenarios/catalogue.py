@@ -29,7 +29,7 @@ FILES = (
 )
 #: Scenarios of evidence/ with their folders, which a checkout has and a wheel has not (hatch_build.py).
 EVIDENCE = {
-    **{"train-brake-evidence": "trains", "contact-model": "contact", "creep-laws": "contact"},
+    **{"train-brake-evidence": "trains", "train-energy": "trains", "contact-model": "contact", "creep-laws": "contact"},
     **{"sensitivity": "numerics", "oracle": "numerics", "levels": "numerics", "levels-in-curves": "numerics"},
     **{"speed": "numerics", "stability-atlas": "numerics", "thesis-step": "numerics"},
     **{"speed-accuracy": "comparisons", "throughput": "comparisons", "train-methods": "comparisons"},

@@ -20,13 +20,11 @@ PATIENCE, PROGRESS = 180.0, 1.0
 class StartWatch:
     """Progress of a train that its driver wants to move.
 
-    place: where it last made progress [m], from `since` on [s]. pull, brakes: forces of motors and brakes [N] at the
-    moment in which the motors exceeded the brakes most.
+    place: where it last made progress [m], from `since` on [s]. brakes: least force of its brakes since then [N].
     """
 
     place: float = -math.inf
     since: float = 0.0
-    pull: float = 0.0
     brakes: float = math.inf
 
     def reset(self) -> None:
@@ -37,34 +35,39 @@ class StartWatch:
         """Raise ValueError if the train has made no progress for PATIENCE. adhesion: at most used by the driver."""
         front = float(train.distance[0]) + train.consist.vehicles[0].length / 2
         if front > self.place + PROGRESS:
-            self.place, self.since, self.pull, self.brakes = front, train.time, 0.0, math.inf
-        pull, brakes = float(np.sum(train.traction_force)), float(np.sum(train.brake_force))
-        if pull - brakes > self.pull - self.brakes:
-            self.pull, self.brakes = pull, brakes
+            self.place, self.since, self.brakes = front, train.time, math.inf
+        self.brakes = min(self.brakes, float(np.sum(train.brake_force)))
         if train.time - self.since >= PATIENCE:
             raise ValueError(self._message(train, front, adhesion))
 
     def _message(self, train: Train, front: float, adhesion: float) -> str:
-        consist = train.consist
-        weight = consist.mass * GRAVITY
+        consist, weight = train.consist, train.consist.mass * GRAVITY
         slope, resistance = float(line_force(consist, train.line, np.array([front]))[0]), resistance_of(consist)[0]
-        demanded = slope + resistance + self.brakes
+        demanded, (pull, remedy) = slope + resistance + self.brakes, _available(train, adhesion)
+        if self.brakes > max(pull - slope - resistance, 1.0):
+            remedy = "Release its brakes: charge the pipe, and look at retainers, parking and track brakes."
         return (
             f"The train does not start: its motors must pull more than {demanded / 1e3:.1f} kN (gradient and curves of "
             f"{1e3 * slope / weight:.1f} permille {slope / 1e3:.1f}, resistance {resistance / 1e3:.1f}, brakes "
-            f"{self.brakes / 1e3:.1f}); got {self.pull / 1e3:.1f} kN. {self._remedy(train, adhesion)}"
+            f"{self.brakes / 1e3:.1f}); got {pull / 1e3:.1f} kN. {remedy}"
         )
 
-    def _remedy(self, train: Train, adhesion: float) -> str:
-        driven = [one for one in train.consist.vehicles if one.traction.traction_force > 0.0]
-        motors = sum(one.traction.traction_force * one.traction.shape_start for one in driven)
-        grip = sum(one.mass * GRAVITY * one.braked_share for one in driven)
-        if self.brakes > max(self.pull, 1.0):
-            return "Release its brakes: charge the pipe, and look at retainers, parking and track brakes."
-        if not driven:
-            return "State traction_force of a vehicle."
-        if self.pull > 0.95 * motors:
-            return "Add a locomotive, or take off vehicles."
-        if self.pull > 0.9 * adhesion * grip:
-            return f"The driver uses an adhesion of {adhesion:g}: raise it, or add driven vehicles."
-        return "The wheels slip, or the pipe cuts the motors off: raise inputs['friction'], or charge the pipe."
+
+def _available(train: Train, adhesion: float) -> tuple[float, str]:
+    """Return the pull of a train at rest that its driver can use [N], and the remedy if it does not suffice."""
+    driven = [one.traction.traction_force > 0.0 for one in train.consist.vehicles]
+    weights = np.array([one.mass * GRAVITY * one.braked_share for one in train.consist.vehicles])[driven]
+    motors = np.array([one.traction.traction_force * one.traction.shape_start for one in train.consist.vehicles])[
+        driven
+    ]
+    limits = {
+        "Add a locomotive, or take off vehicles.": float(motors.sum()),
+        f"The driver uses an adhesion of {adhesion:g}: raise it, or add driven vehicles.": adhesion * weights.sum(),
+        "The wheels slip: raise inputs['friction'], or add driven vehicles.": float(
+            np.minimum(motors, train.inputs["friction"][driven] * weights).sum()
+        ),
+    }
+    if not any(driven):
+        return 0.0, "State traction_force of a vehicle."
+    remedy = min(limits, key=lambda words: limits[words])
+    return float(limits[remedy]), remedy

@@ -11,8 +11,11 @@ import pytest
 
 from brake_controller.air import AMBIENT
 from brake_controller.distributors import DISTRIBUTORS
+from evidence.trains.energy_programme import least_energy_of
+from evidence.trains.train_energy import driven, journey_of
 from products.train.consist_file import consist_of
 from products.train.driver import HoldingDriver
+from products.train.speed_profile import Due, Leg, least_energy
 from products.train.stations import StationStop
 from products.train.timetable import PERIOD, TimetableDriver
 from products.train.train import Train
@@ -177,6 +180,112 @@ def test_a_train_too_heavy_for_its_motors_is_held_by_air(driver: HoldingDriver |
     assert -1.0 < slowest < -0.05
 
 
+def test_a_profile_without_resistance_has_its_closed_form() -> None:
+    """To V at a, coasting at V, from V at b: T = D / V + V (1 / a + 1 / b) / 2, and the energy is V^2 / 2."""
+    way, pull, brake, speed = 4000.0, 0.8, 0.5, 22.0
+    time = way / speed + speed / 2 * (1 / pull + 1 / brake)
+    place, speeds = np.linspace(0.0, way, 81), np.linspace(0.0, 60.0, 61)
+    leg = Leg(place, np.full(81, 40.0), np.zeros(80), (0.0, 0.0, 0.0), speeds, np.full(61, pull), 0 * speeds, brake)
+    profile = least_energy(leg, 0.0, Due(time))
+    assert profile.energy == pytest.approx(speed**2 / 2, rel=2e-3)
+    assert profile.speed.max() == pytest.approx(speed, rel=2e-3)
+    assert profile.time[-1] == pytest.approx(time, rel=1e-4)
+    assert profile.price == pytest.approx(1 / (way / speed**3 - (1 / pull + 1 / brake) / 2 / speed), rel=0.05)  # -dE/dT
+
+
+def test_recovered_energy_brakes_earlier_and_limits_hold_below_the_whole_train() -> None:
+    """With all energy back and no resistance, a train that brakes by its weak electric brake alone needs none."""
+    place, speeds = np.linspace(0.0, 3000.0, 61), np.linspace(0.0, 60.0, 61)
+    allowed = np.where((place > 999.0) & (place < 1501.0), 12.0, 30.0)
+    leg = Leg(place, allowed, np.zeros(60), (0.0, 0.0, 0.0), speeds, np.full(61, 0.8), np.full(61, 0.2), 0.5)
+    lost, kept = (least_energy(replace(leg, recovery=share), 0.0, Due(300.0)) for share in (0.0, 1.0))
+    assert lost.energy > 50.0 > 1.0 > kept.energy
+    inside = (kept.place > 999.0) & (kept.place < 1501.0)
+    assert kept.speed[inside].max() < 12.001
+
+
+@pytest.mark.study
+@pytest.mark.parametrize(
+    ("train", "line", "due", "recovery"),
+    [
+        ("metro", "level", 300.0, 0.0),
+        ("metro", "level", 300.0, 0.6),
+        ("coaches", "slopes", 420.0, 0.0),
+        ("metro", "limits", 400.0, 0.0),
+    ],
+)
+def test_a_driver_of_least_energy_is_within_1_percent_of_a_dynamic_programme(
+    train: str, line: str, due: float, recovery: float
+) -> None:
+    """evidence/trains/energy_programme.py shares no method with the profile; it has the time that the driver took."""
+    saving, holding = (driven(train, line, due, energy, recovery if energy else 0.0) for energy in (True, False))
+    least = least_energy_of(journey_of(train, line, recovery), saving.arrived)[2]
+    assert -0.005 < saving.energy / least - 1.0 < 0.01
+    assert saving.energy < 0.93 * holding.energy
+    assert abs(saving.arrived - due) < 4.0
+    assert abs(saving.overrun) < 1.0
+
+
+@pytest.mark.parametrize("adhesion", [0.25, 0.02])
+def test_a_train_that_cannot_start_ends_with_its_forces(adhesion: float) -> None:
+    """11 vehicles on 30 permille demand the weight's share and a; motors have 10 kN, or 0.02 of the driven weight."""
+    row = LOCOMOTIVE | {"traction_force": 10.0 if adhesion == 0.25 else 300.0}
+    train = train_of([row, {"kind": "coach", "count": 10}], 0.03)
+    slope = 0.03 * 9.80665 * train.consist.mass / 1e3
+    with pytest.raises(ValueError, match="The train does not start: its motors must pull more than") as said:
+        TimetableDriver([StationStop(500.0)], [(0.0, 20.0)], adhesion=adhesion).drive(train)
+    assert f"30.0 permille {slope:.1f}" in str(said.value)
+    assert ("Add a locomotive" if adhesion == 0.25 else "adhesion of 0.02: raise it") in str(said.value)
+    assert 180.0 <= train.time < 400.0
+    held = train_of([row | {"traction_force": 10.0}, {"kind": "coach", "count": 10}], 0.03)
+    driver = HoldingDriver(15.0)
+    for _ in range(180):
+        driver.act(held)
+        held.advance(1.0)
+    with pytest.raises(ValueError, match=r"got 10.0 kN\. Add a locomotive"):
+        driver.act(held)
+
+
+@pytest.mark.parametrize(
+    ("wagons", "mass", "gradient", "head", "dynamic"),
+    [
+        (20, 80.0, -0.01, {"traction_force": 400.0, "traction_power": 3000.0}, 0.0),
+        (20, 80.0, -0.02, {"dynamic_table": "0:0 15:200 40:200 100:80"}, 0.3),
+        (40, 120.0, -0.025, {"dynamic_table": "0:0 15:400 40:400 100:160"}, 0.3),
+    ],
+)
+def test_a_train_of_direct_release_keeps_its_speed_within_1_5_m_s(
+    wagons: int, mass: float, gradient: float, head: dict[str, Any], dynamic: float
+) -> None:
+    """8.9 m/s for 20 minutes: power against the brakes, or a dynamic brake, trims what air cannot reduce in part."""
+    rows = [
+        {"kind": "locomotive", "distributor": "aar", "mass": 130} | head,
+        {"kind": "wagon", "distributor": "aar", "count": wagons, "mass": mass},
+    ]
+    train, driver = train_of(rows, gradient, speed=8.9), HoldingDriver(8.9, dynamic=dynamic)
+    while train.time < 1200.0:
+        driver.act(train)
+        train.advance(driver.period)
+        assert abs(train.speed[0] - 8.9) < 1.5
+
+
+@pytest.mark.parametrize("jerk", [0.4, 0.8])
+def test_a_metro_keeps_the_limit_of_its_jerk_also_as_it_stops(jerk: float) -> None:
+    """Means over 0.3 s stay below 1.2 j, or what steps of 0.1 s of the vehicle's own rate leave; rise time a / j."""
+    driver = TimetableDriver([StationStop(500.0)], [(0.0, 15.0)], 0.9, jerk=jerk)
+    train, speed = train_of("metro"), [0.0]
+    while not driver.calls:
+        driver.act(train)
+        train.advance(driver.period)
+        speed.append(float(train.speed[0]))
+    rate = (np.array(speed)[3:] - np.array(speed)[:-3]) / 0.3
+    assert np.abs(rate[3:] - rate[:-3]).max() / 0.3 < max(1.2 * jerk, 0.7)
+    rises = 0.1 * float(np.argmax(rate > 0.9 * rate.max()) - np.argmax(rate > 0.1 * rate.max()))
+    assert rises == pytest.approx(0.8 * rate.max() / jerk, rel=0.2)
+    assert abs(driver.calls[0].overrun) < 0.1
+    assert train.electric_brake_energy.sum() > 5.0 * train.brake_heat.sum()
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -205,6 +314,9 @@ def test_a_train_too_heavy_for_its_motors_is_held_by_air(driver: HoldingDriver |
         ({"deceleration": None}, "deceleration must be a number from 0.05 to 1.5 m/s2; got None"),
         ({"within": "5"}, "within must be a number from 0.1 to 100 m; got 5"),
         ({"adhesion": 2.0}, "adhesion must be a number from 0.01 to 1; got 2"),
+        ({"energy": True}, "energy must come with a stop that has an arrival; got none"),
+        ({"recovery": 0.5}, "recovery must be 0 without energy; got 0.5"),
+        ({"jerk": 0.01}, "jerk must be a number from 0.1 to 10 m/s3; got 0.01"),
     ],
 )
 def test_a_timetable_that_cannot_be_is_refused(changes: dict[str, Any], message: str) -> None:
@@ -267,6 +379,16 @@ def test_only_kinds_that_release_wholly_on_a_small_rise_say_so() -> None:
         train.drive("service", 0.2)
         train.advance(90.0)
         assert (train.cylinder_pressure[0] < 1e3) == DISTRIBUTORS[name].releases_wholly
+
+
+def test_a_jerk_or_a_recovery_that_a_train_cannot_have_is_refused() -> None:
+    for values, message in (
+        ({"jerk": 0.8}, "all vehicles have brake = ep-direct"),
+        ({"recovery": 0.5}, "electric brakes"),
+    ):
+        driver = TimetableDriver([StationStop(900.0, 90.0)], [(0.0, 20.0)], energy="recovery" in values, **values)
+        with pytest.raises(ValueError, match=message):
+            driver.act(train_of("coaches"))
 
 
 def test_a_train_without_motors_is_refused() -> None:
