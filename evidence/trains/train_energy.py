@@ -6,7 +6,7 @@ speed. The dynamic programme (`energy_programme`) has the same forces, and the t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,7 +81,7 @@ def driven(name: str, line: str, due: float, energy: bool, recovery: float = 0.0
     return Run(run, driver.calls[0].arrived, driver.calls[0].overrun, float(used))
 
 
-def _drive(rows: list[Mapping[str, Any]], kind: str, speed: Array) -> Array:
+def _drive(rows: Sequence[Mapping[str, Any]], kind: str, speed: Array) -> Array:
     """Return the sum of min(F, P / v) of the motors or electric brakes of a train's rows [N]."""
     total = np.zeros_like(speed)
     for row in rows:

@@ -89,8 +89,8 @@ class HoldingDriver:
     period: float = 1.0
     added: float = 0.0
     air: float = 0.0
-    _watch: StartWatch = field(default_factory=StartWatch)
-    _descent: CycleBraking | None = None
+    _watch: StartWatch = field(default_factory=StartWatch, init=False, repr=False)
+    _descent: CycleBraking | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for name, (least, most, unit) in LIMITS.items():

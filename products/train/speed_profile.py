@@ -1,7 +1,7 @@
 """The speed profile of least energy between two stops, for a due time: by linear programmes.
 
 Its regimes are those of the maximum principle: full power, a held speed, coasting, partial and full braking (Howlett
-and Pudney 1995; Khmelnitsky 2000; reviewed by Scheepmaker, Goverde and Kroon 2017). Nothing here assumes them. Over
+and Pudney 1995; Khmelnitsky 2000; reviewed by Scheepmaker, Goverde and Kroon 2017; none was read). Nothing here assumes them. Over
 place, with K = v^2 / 2, force and braking are linear in K, and the time of a cell, 2 h / (v_1 + v_2), is convex: it is
 the highest of its tangents. Only resistance and largest forces over K are not linear; a few programmes, each
 linearised at the profile before, give them (the convex-concave procedure: Lipp and Boyd 2016). SciPy's HiGHS solves
@@ -21,7 +21,7 @@ from scipy.sparse import bmat, coo_matrix, csr_matrix, diags, hstack, identity, 
 #: Programmes after which a profile is final; least speed on the way [m/s], and ratio of the speeds of two tangents.
 ROUNDS, SLOWEST, RATIO = 3, 0.5, 1.06
 METHOD = "highs"
-#: Cells are divided where the force changes by this share of the largest one, into so many parts.
+#: Cells are divided where the force changes by this share of the largest one, into a number of parts.
 JUMP, PARTS = 0.04, 6
 Array = NDArray[np.float64]
 
@@ -176,7 +176,7 @@ def _forces(leg: Leg, before: SpeedProfile) -> list[tuple[csr_matrix, csr_matrix
 def _programme(
     leg: Leg, before: SpeedProfile, tangents: list[tuple[csr_matrix, Array]], due: Due
 ) -> tuple[Array, float] | None:
-    """Return the K of least energy for a due time, and the price of time [J/(kg.s)]; None if there is none."""
+    """Return the K of least energy for a due time, and the price of time [J/(kg.s)]; None if it has no solution."""
     n, h = len(leg.cell), leg.cell
     rows = [(of_square, of_energy, None, limit) for of_square, of_energy, limit in _forces(leg, before)]
     rows += [(slopes, None, -identity(n), -constant) for slopes, constant in tangents]

@@ -56,6 +56,8 @@ class StartWatch:
 def _available(train: Train, adhesion: float) -> tuple[float, str]:
     """Return the pull of a train at rest that its driver can use [N], and the remedy if it does not suffice."""
     driven = [one.traction.traction_force > 0.0 for one in train.consist.vehicles]
+    if not any(driven):
+        return 0.0, "State traction_force of a vehicle."
     weights = np.array([one.mass * GRAVITY * one.braked_share for one in train.consist.vehicles])[driven]
     motors = np.array([one.traction.traction_force * one.traction.shape_start for one in train.consist.vehicles])[
         driven
@@ -67,7 +69,5 @@ def _available(train: Train, adhesion: float) -> tuple[float, str]:
             np.minimum(motors, train.inputs["friction"][driven] * weights).sum()
         ),
     }
-    if not any(driven):
-        return 0.0, "State traction_force of a vehicle."
     remedy = min(limits, key=lambda words: limits[words])
     return float(limits[remedy]), remedy

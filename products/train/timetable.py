@@ -94,11 +94,11 @@ class TimetableDriver:
     _seen: float = 0.0
     _wired: bool = False
     _looks: float = 1.0
-    _plan: EnergyPlan | None = None
+    _plan: EnergyPlan | None = field(default=None, init=False, repr=False)
     _rate: float = 0.0
     _stops: bool = False
-    _past: list[float] = field(default_factory=list)
-    _watch: StartWatch = field(default_factory=StartWatch)
+    _past: list[float] = field(default_factory=list, init=False, repr=False)
+    _watch: StartWatch = field(default_factory=StartWatch, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("deceleration", "within", "adhesion", "recovery"):
