@@ -1,8 +1,8 @@
 """Braking on a descent with valves that release wholly: a minimum reduction, small further ones, rare releases.
 
 So is balanced and cycle braking described in North America (no rule book was read). The first reduction is the least
-one. Further ones are small, each after the answer to the one before. A dynamic brake, or power against the brakes, trims
-the speed. A release is made only if the air that is left can brake the train again. Numbers of this file are assumed.
+one. Further ones are small, each after the answer to the one before. A dynamic brake, or power against the brakes,
+trims the speed. A release is made only if the air that is left can brake the train again. Numbers are assumed.
 """
 
 from __future__ import annotations
@@ -29,8 +29,9 @@ QUICK, LATER = 0.21, 0.8
 TRIMS, SMALLEST, LARGEST = 0.5, 0.01, 0.08
 #: Fall of the pipe in full service [Pa] (UIC 540).
 SERVICE = 1.5e5
-#: Share of the air brake in use beyond which a release would leave too little for the next application.
-KEEPS = 0.8
+#: Share of the air brake in use beyond which a release would leave too little for the next application: on a gradient,
+#: and on one that needs more than a share of the whole brake.
+KEEPS, STEEP = (0.8, 0.55), 0.25
 
 
 @dataclass
@@ -90,12 +91,13 @@ class CycleBraking:
         waited, pulls = self.train.time - self._changed, bool(self._forces is not None and self._forces[0].any())
         before = self.air
         trimmed = self.dynamic == 0.0 and (self.traction >= 0.95 or not pulls)
+        keeps = KEEPS[self._balance > STEEP * full]
         if not self.air:
             above = ABOVE if self._balance > QUICK * full else LATER
             if over + self._rate * LEADS > above and trim > 0.9 * able:
                 end = float(self.train.pipe_pressure[-1])  # as an end-of-train device shows it
                 self.air = min(max(START_PIPE_PRESSURE - end, 0.0) / SERVICE + self.least, 1.0)
-        elif trimmed and over + self._rate * RELEASES < -BELOW and self._rate < 0.0 and self.air < KEEPS:
+        elif trimmed and over + self._rate * RELEASES < -BELOW and self._rate < 0.0 and self.air < keeps:
             self.air = 0.0
         else:
             self.air = self._added(over, air, able, full, mass, waited)

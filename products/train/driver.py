@@ -59,7 +59,7 @@ class HoldingDriver:
     A demand below 0 is traction, in trains with motors: five times that share of their largest force.
     A train that rolls back is held by air, without traction. Where a vehicle's brake releases wholly, as AAR valves do,
     air is never reduced in part. With motors or `dynamic`, of any share, such a train brakes in cycles
-    (`cycle_braking`). Without both, air stays until the demand needs none: on 15 permille from 50 km/h, 30 wagons of
+    (`cycle_braking`). Without both, air stays until the demand needs none: on 25 permille from 50 km/h, 30 wagons of
     100 t run away.
     Gains are assumed: 1 m/s too fast adds a tenth of the brake, and T is longer than the release of a cylinder.
 

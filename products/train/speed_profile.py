@@ -1,11 +1,11 @@
 """The speed profile of least energy between two stops, for a due time: by linear programmes.
 
 Its regimes are those of the maximum principle: full power, a held speed, coasting, partial and full braking (Howlett
-and Pudney 1995; Khmelnitsky 2000; reviewed by Scheepmaker, Goverde and Kroon 2017; none was read). Nothing here assumes them. Over
-place, with K = v^2 / 2, force and braking are linear in K, and the time of a cell, 2 h / (v_1 + v_2), is convex: it is
-the highest of its tangents. Only resistance and largest forces over K are not linear; a few programmes, each
-linearised at the profile before, give them (the convex-concave procedure: Lipp and Boyd 2016). SciPy's HiGHS solves
-each in tenths of a second, so that a driver can plan again on the way.
+and Pudney 1995; Khmelnitsky 2000; reviewed by Scheepmaker, Goverde and Kroon 2017; none was read). Nothing here assumes
+them. Over place, with K = v^2 / 2, force and braking are linear in K, and the time of a cell, 2 h / (v_1 + v_2), is
+convex: it is the highest of its tangents. Only resistance and largest forces over K are not linear; a few programmes,
+each linearised at the profile before, give them (the convex-concave procedure: Lipp and Boyd 2016). SciPy's HiGHS
+solves each in tenths of a second, so that a driver can plan again on the way.
 """
 
 from __future__ import annotations
