@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from products.train.driver_forces import SPEEDS, line_force, moved_mass, resistance_of, train_forces
-from products.train.layout import START_PIPE_PRESSURE
 from products.train.train import Train
 
 #: Times [s]: of the estimate of the balancing force, of a correction of speed by the fast brakes and by air, by which
@@ -49,6 +48,7 @@ class CycleBraking:
     _electric: float = 0.0
     _time: float = 0.0
     _changed: float = -math.inf
+    _charged: float = 0.0
     _forces: NDArray[np.float64] | None = None
 
     def act(self, wanted: float, fast: bool) -> None:
@@ -90,13 +90,14 @@ class CycleBraking:
         """Apply, add to or release the air."""
         waited, pulls = self.train.time - self._changed, bool(self._forces is not None and self._forces[0].any())
         before = self.air
+        self._charged = max(self._charged, float(self.train.pipe_pressure[0]))
         trimmed = self.dynamic == 0.0 and (self.traction >= 0.95 or not pulls)
         keeps = KEEPS[self._balance > STEEP * full]
         if not self.air:
             above = ABOVE if self._balance > QUICK * full else LATER
             if over + self._rate * LEADS > above and trim > 0.9 * able:
                 end = float(self.train.pipe_pressure[-1])  # as an end-of-train device shows it
-                self.air = min(max(START_PIPE_PRESSURE - end, 0.0) / SERVICE + self.least, 1.0)
+                self.air = min(max(self._charged - end, 0.0) / SERVICE + self.least, 1.0)
         elif trimmed and over + self._rate * RELEASES < -BELOW and self._rate < 0.0 and self.air < keeps:
             self.air = 0.0
         else:
