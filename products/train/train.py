@@ -419,15 +419,21 @@ class Train:
     @property
     def locked_at(self) -> NDArray[np.float64]:
         """Time at which the wheels of each vehicle first locked while it moved [s], otherwise NaN."""
-        times = np.ctypeslib.as_array(self._call.train_locked_at(self._own), (len(self.consist.vehicles),)).copy()
+        times = self._times(self._call.train_locked_at)
         return np.where(times < NEVER, times, np.nan)
+
+    def _times(self, call: Any) -> NDArray[np.float64]:
+        return np.ctypeslib.as_array(call(self._own), (len(self.consist.vehicles),)).copy()
 
     @property
     def messages(self) -> list[str]:
-        """Messages of the run: notes on its start, vehicles whose wheels have locked, controllers that failed."""
-        times = self.locked_at
+        """Messages of the run: notes on its start, couplers that broke, wheels that locked, controllers that failed."""
+        times, breaks = self.locked_at, self._times(self._call.train_broken_at)
+        broken = (
+            f"The rear coupler of vehicle {n + 1} broke at {breaks[n]:.2f} s." for n in np.flatnonzero(breaks < NEVER)
+        )
         locked = (self._lock_message(int(n), times[n]) for n in np.flatnonzero(np.isfinite(times)))
-        return [*self._notes, *locked, *self.controller_failures]
+        return [*self._notes, *broken, *locked, *self.controller_failures]
 
     def _lock_message(self, vehicle: int, time: float) -> str:
         electric = self.consist.vehicles[vehicle].electric

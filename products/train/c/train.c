@@ -18,15 +18,16 @@ static const double HELD = 1.0, CORRECTED = 0.5;
 enum { BLENDED_ROWS = 4, WARM_ROWS = 1 + 2 * HEATED_ROWS };
 
 /* Length of a run's variables: behind those of the valves, of each vehicle the force of its electric brake [N] and the heat of
- * its friction brake (HEATED_ROWS), and the time when its wheels first locked, then those of drive.c, of extra_brakes.c and of
- * cab.c. */
-enum { OWN_RUN = 2 + HEATED_ROWS };
+ * its friction brake (HEATED_ROWS), and the times when its wheels first locked and the coupler behind it first broke, then
+ * those of drive.c, of extra_brakes.c and of cab.c. */
+enum { OWN_RUN = 3 + HEATED_ROWS };
 static long long int runs(const train *self) {
     return RUN_VALVES + OF_VALVE * self->valves + (OWN_RUN + DRIVE_RUN + EXTRA_RUN) * self->vehicles + cab_numbers(self);
 }
 static double *electric_run(train *self) { return self->run + RUN_VALVES + OF_VALVE * self->valves; }
 static double *heat_run(train *self) { return electric_run(self) + self->vehicles; }
-static double *lock_run(const train *self) { return drive_run(self) - self->vehicles; }
+static double *break_run(const train *self) { return drive_run(self) - self->vehicles; }
+static double *lock_run(const train *self) { return break_run(self) - self->vehicles; }
 double *drive_run(const train *self) { return self->run + RUN_VALVES + OF_VALVE * self->valves + OWN_RUN * self->vehicles; }
 double *extra_run(const train *self) { return drive_run(self) + DRIVE_RUN * self->vehicles; }
 double *cab_run(const train *self) { return extra_run(self) + EXTRA_RUN * self->vehicles; }
@@ -364,7 +365,7 @@ void train_begin(train *self, double time, double speed, double distance, double
     begin_motion(self, speed, distance);
     detail_forget(self);
     fill(self->run, runs(self), 0.0);
-    fill(lock_run(self), self->vehicles, TRAIN_NEVER);
+    fill(lock_run(self), 2 * self->vehicles, TRAIN_NEVER); /* and break_run */
     self->run[RUN_TIME] = time;
     self->run[RUN_TOLD] = floor(time / HISTORY_STEP);
     for (long long int v = 0; v < self->valves; ++v) {
@@ -436,12 +437,20 @@ static void take_inputs(train *self) {
 }
 
 const double *train_locked_at(const train *self) { return lock_run(self); }
+const double *train_broken_at(const train *self) { return break_run(self); }
 
 /* Stores the time when the wheels of a vehicle first lock. */
 static void note_locks(train *self, double time) {
     const double *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
     for (long long int i = 0; i < self->vehicles; ++i)
         if (wheel[i] == 0.0 && speed[i] != 0.0) lock_run(self)[i] = fmin(lock_run(self)[i], time);
+}
+
+/* Parts the hoses of broken couplers, and stores the time when each first broke. */
+static void note_breaks(train *self, double time) {
+    put_joints(self);
+    for (long long int i = 0; i + 1 < self->vehicles; ++i)
+        if (motion_is_broken(self->moves, i)) break_run(self)[i] = fmin(break_run(self)[i], time);
 }
 
 /* One step with brakes and line of its middle; returns 0 if its result is not finite. */
@@ -471,7 +480,7 @@ static int step_on(train *self, double step) {
     protection_turn(self, step);
     if (self->works) warm_brakes(self, step);
     note_locks(self, self->run[RUN_TIME] + step);
-    if (motion_broken(self->moves)) put_joints(self);
+    if (motion_broken(self->moves)) note_breaks(self, self->run[RUN_TIME] + step);
     return motion_sound(self->moves);
 }
 

@@ -43,9 +43,10 @@ TRAIN_SHOWN double train_longest(const train *self, long long int *vehicle);
 /* Row and element of an input beyond its limits, or not possible without a face of the pipe after a vehicle; -1: all are
  * valid. */
 TRAIN_SHOWN int train_input_wrong(const train *self, long long int *element);
-/* Time of each vehicle at which its wheels first locked [s]; TRAIN_NEVER: not yet. */
+/* Times of each vehicle at which its wheels first locked, and the coupler behind it first broke [s]; TRAIN_NEVER: not yet. */
 #define TRAIN_NEVER 1e300
 TRAIN_SHOWN const double *train_locked_at(const train *self);
+TRAIN_SHOWN const double *train_broken_at(const train *self);
 /* Complete state of a run with its inputs: its size, and copies from and to memory. */
 TRAIN_SHOWN long long int train_numbers(const train *self);
 TRAIN_SHOWN void train_save(const train *self, double *numbers);

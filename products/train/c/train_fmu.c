@@ -127,18 +127,18 @@ void arrays_start(arrays_object *self, double time) {
     find_outputs(self);
 }
 
-/* Write the vehicles whose wheels have locked for the first time since a time, if any. */
-static void say_locked(const arrays_object *self, double since, char problem[MESSAGE_SIZE]) {
+/* Write for which vehicles something has occurred for the first time since a time, if any; `at`: times. */
+static void say_first(const arrays_object *self, const double *at, double since, const char *subject, const char *verb,
+                      char problem[MESSAGE_SIZE]) {
     char when[TIME_TEXT], others[32] = "";
-    const double *locked_at = train_locked_at(self->own);
     long long int count, first = 0, more = -1;
     train_output(self->own, OUT_SPEED, &count);
     for (long long int i = count - 1; i >= 0; --i)
-        if (locked_at[i] > since && locked_at[i] < TRAIN_NEVER) first = i + 1, ++more;
+        if (at[i] > since && at[i] < TRAIN_NEVER) first = i + 1, ++more;
     if (more < 0) return;
     if (more > 0) print_text(others, sizeof others, " and of %lld behind it", more);
-    print_text(problem, MESSAGE_SIZE, "The wheels of vehicle %lld%s locked at %s s.", first, others,
-               time_text(locked_at[first - 1], 6, when));
+    print_text(problem, MESSAGE_SIZE, "The %s of vehicle %lld%s %s at %s s.", subject, first, others, verb,
+               time_text(at[first - 1], 6, when));
 }
 
 /* Write the vehicles whose controllers have failed in a step, if any. `before`: states of the protection. */
@@ -215,10 +215,11 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
     const double *states = values_of(self, FIRST_OUTPUT + OUT_PROTECTION_STATE);
     memcpy(self->states, states, length_of(self->own, LOCKED) * sizeof(double));
     find_outputs(self);
-    char said[2][MESSAGE_SIZE] = {"", ""};
-    say_locked(self, before, said[0]);
-    say_failed(self, self->states, time + step, said[1]);
-    for (int n = 0; n < 2; ++n) {
+    char said[3][MESSAGE_SIZE] = {"", "", ""};
+    say_first(self, train_broken_at(self->own), before, "rear coupler", "broke", said[0]);
+    say_first(self, train_locked_at(self->own), before, "wheels", "locked", said[1]);
+    say_failed(self, self->states, time + step, said[2]);
+    for (int n = 0; n < 3; ++n) {
         const size_t length = strlen(problem);
         if (*said[n]) print_text(problem + length, MESSAGE_SIZE - length, "%s%s", length ? " " : "", said[n]);
     }

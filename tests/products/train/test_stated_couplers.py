@@ -108,8 +108,11 @@ def test_a_coupler_above_its_strength_breaks_and_parts_the_pipe(model: str) -> N
     assert 200e3 < train.largest_tension < 230e3  # it breaks after the step in which it is exceeded
     assert train.largest_tension_at == 1.0
     assert train.coupler_force[0] == 0.0
+    (told,) = train.messages
+    assert told.startswith("The rear coupler of vehicle 1 broke at 0.")
     train.inputs["pull"] = 0.0
     train.advance(20.0)
+    assert train.messages == [told]
     assert train.pipe_pressure[1:] == pytest.approx([0.0] * 2, abs=2e3)
     assert train.pipe_pressure[0] < 3.5e5  # the driver's valve feeds a hose that is open
     assert train.cylinder_pressure[1] > 3.5e5
@@ -126,6 +129,7 @@ def test_a_broken_coupler_is_saved_restored_and_joined_again() -> None:
         one.advance(5.0)
         own.append(np.r_[one.speed, one.pipe_pressure, one.coupler_force])
     assert np.array_equal(*own)
+    assert one.messages == train.messages != []
     train.inputs["coupling_closed"] = 0.0
     train.advance(0.1)
     train.inputs["coupling_closed"] = 1.0

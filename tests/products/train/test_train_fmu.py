@@ -626,3 +626,17 @@ def test_locked_wheels_are_logged_and_the_same_in_python(version: int, fmus: dic
         assert host.array("locked") == train.locked.tolist() == [1, 1, 1]
         assert host.array("slip") == train.slip.tolist() == [1.0, 1.0, 1.0]
         assert any(re.match(r"The wheels of vehicle \d.* locked at \d", one) for one in host.slave.messages)
+
+
+def test_a_broken_coupler_is_logged_once(tmp_path: Path) -> None:
+    rows = [{"kind": "locomotive", "coupler_strength": 200.0}, {"kind": "wagon", "count": 2}]
+    path = tmp_path / "breaks.fmu"
+    write_in_c(train_fmu(consist_of(rows)), path, 3)
+    host = started(path)
+    with host.slave:
+        host.put("pull", [400e3, -200e3, -200e3])
+        host.put("friction", [2.0] * 3)
+        host.go(40)
+        told = [one for one in host.slave.messages if "coupler" in one]
+    assert len(told) == 1
+    assert re.match(r"The rear coupler of vehicle 1 broke at 0\.\d+ s\.", told[0])
