@@ -12,9 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from bogie_braking.web.frame import packed
+from brake_controller.distributors import keeps_pipe, kind_of
 from products.train.consist import Consist, block_train
 from products.train.imported_consist import consist_from
 from products.train.layout import layout
+from products.train.notches import notches_shown
 from products.train.numbers import Settings, numbers_of, own_files
 from rbd_model.track.line import Line
 from rbd_model.track.line_files import line_from_file
@@ -55,6 +57,10 @@ class CarriedTrain:
             "vehicles": [[name, len(list(those))] for name, those in names],
             "limits": [list(limit) for limit in self.limits],
         }
+        head = next(vehicle for vehicle in self.consist.vehicles if vehicle.valve)
+        if head.valve and head.handle:
+            wired = keeps_pipe([kind_of(vehicle.distributor) for vehicle in self.consist.vehicles])
+            about["notches"] = notches_shown(head.valve, head.handle, wired)
         text = json.dumps(about, separators=(",", ":")).encode()
         return packed(np.asarray([numbers.size, *numbers], "<f8").tobytes() + text)
 

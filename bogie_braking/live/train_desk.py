@@ -1,20 +1,8 @@
-"""The driver's desk of a train's page: notches of the brake valve, and controls by the names of a train's inputs."""
+"""The driver's desk of a train's page: keys of the brake valve, and controls by the names of a train's inputs."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-from brake_controller.drivers_valve import POSITIONS
-
-#: Notches of the driver's valve in their order, from release to emergency: its position, and its step of service.
-NOTCHES = {
-    "overcharge": ("overcharge", 0.0),
-    "running": ("running", 0.0),
-    "first step": ("service", 0.0),
-    "half service": ("service", 0.4),
-    "full service": ("service", 1.0),
-    "emergency": ("emergency", 0.0),
-}
 
 
 @dataclass(frozen=True)
@@ -39,8 +27,3 @@ CONTROLS = {
     "bail_off": Control(False, "", "Slash", "/"),
     "vigilance": Control(False, "", "KeyZ", "Z"),
 }
-
-
-def notches() -> dict[str, tuple[int, float]]:
-    """Return the values of `driver_position` and `driver_step` of each notch."""
-    return {name: (POSITIONS[position], step) for name, (position, step) in NOTCHES.items()}

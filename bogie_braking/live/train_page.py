@@ -12,14 +12,16 @@ import numpy as np
 
 from bogie_braking.live.carried_train import CarriedTrain, layout_mark
 from bogie_braking.live.page import write_made
-from bogie_braking.live.train_desk import CONTROLS, VALVE_KEYS, notches
+from bogie_braking.live.train_desk import CONTROLS, VALVE_KEYS
 from bogie_braking.web.frame import filled, packed
+from brake_controller.drivers_valve import drivers_valve
 from fmu_src import __version__
 from fmu_src.compile import web_library
 from products.train.consist import block_train
 from products.train.consist_file import consist_of
 from products.train.layout import EQUIPMENT, INPUTS, OUTPUTS, Array, layout
 from products.train.library import sources
+from products.train.notches import notches_shown
 from rbd_model.track.line import Line
 from readers.storage import write_whole
 
@@ -74,7 +76,7 @@ def train_page() -> str:
         "layout": [[group.name, group.of, [field.name for field in group.fields]] for group in layout()],
         "mark": layout_mark(),
         "equipment": {name: one.above for name, one in EQUIPMENT.items()},
-        "valve": notches(),
+        "notches": notches_shown(drivers_valve()),
         "valveKeys": VALVE_KEYS,
         "controls": {name: asdict(one) for name, one in CONTROLS.items()},
         "presets": [{"title": title, "link": link} for title, link in PRESETS.items()],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -15,8 +16,12 @@ from readers.quantity import number_in
 from readers.text import quoted
 from readers.toml_files import toml_of
 
+#: Values of driver_position and driver_step.
+Inputs = tuple[int, float]
 #: The table.
 TABLE = Path(__file__).with_name("drivers_valves.toml")
+#: The pipe of a handle of any valve, and this handle, which a page shows without another one.
+ANY, FEW = "any", "self-lapping"
 #: Rounding of a step.
 ROUNDING = 1e-9
 
@@ -54,7 +59,7 @@ class Notch:
 
 @dataclass(frozen=True)
 class Handle:
-    """The handle of a driver's valve: its name, what its pipe holds, its notches, their source."""
+    """The handle of a driver's valve: its name, what its pipe holds (air, vacuum or any), its notches, their source."""
 
     name: str
     pipe: str
@@ -80,8 +85,8 @@ def check_handle(name: str, valve: DriversValve | VacuumValve) -> None:
     if name not in handles():
         raise ValueError(f"handle must be one of {', '.join(handles())}; got {name!r}. Choose one.")
     pipe = "vacuum" if isinstance(valve, VacuumValve) else "air"
-    if handles()[name].pipe != pipe:
-        fitting = ", ".join(one.name for one in handles().values() if one.pipe == pipe)
+    if handles()[name].pipe not in (pipe, ANY):
+        fitting = ", ".join(one.name for one in handles().values() if one.pipe in (pipe, ANY))
         raise ValueError(f"handle must be of a pipe that holds {pipe}, {fitting}; got {name}. Choose one.")
 
 
@@ -93,7 +98,7 @@ def notch_named(name: str, handle: str) -> Notch | None:
     return next((notch for notch in own if plain(name) in map(plain, notch.names)), None)
 
 
-def driven(name: str, step: float, valve: DriversValve | VacuumValve, handle: str) -> tuple[int, float]:
+def driven(name: str, step: float, valve: DriversValve | VacuumValve, handle: str) -> Inputs:
     """Return the inputs driver_position and driver_step of a notch or position of a valve.
 
     Raises ValueError for an unknown name, with those that there are, and for a step that the notch has itself.
@@ -111,3 +116,19 @@ def driven(name: str, step: float, valve: DriversValve | VacuumValve, handle: st
             f"step must be left out with the notch {quoted(notch.names[0])}, which has its own; got {step:g}. Omit it."
         )
     return POSITIONS[notch.position], notch.step_of(valve) if notch.is_service else step
+
+
+def notches_shown(valve: DriversValve | VacuumValve, handle: str = FEW, by_wire: bool = False) -> dict[str, Inputs]:
+    """Return the inputs of the notches of a handle, from release to emergency, by their first names.
+
+    Left out are notches whose step the driver gives or the valve does not have, and those that service by wire refuses.
+    """
+    found: dict[str, Inputs] = {}
+    for notch in handles()[handle].notches:
+        if notch.position == "service" and not notch.is_service:
+            continue
+        if by_wire and POSITIONS[notch.position] > POSITIONS["emergency"]:
+            continue
+        with suppress(ValueError):
+            found[notch.names[0]] = POSITIONS[notch.position], notch.step_of(valve)
+    return found

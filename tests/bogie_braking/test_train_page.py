@@ -12,10 +12,11 @@ from pathlib import Path
 import pytest
 
 from bogie_braking.__main__ import main
-from bogie_braking.live.carried_train import carried_from
+from bogie_braking.live.carried_train import CarriedTrain, carried_from
 from bogie_braking.live.train_page import HILL, PAGE, PRESETS, trains, write_train_page
 from fmu_src.arrays_fmu import build_arrays_fmu
 from products.train.consist import block_train
+from products.train.consist_file import consist_of
 from products.train.fmu import train_of_files_fmu
 from products.train.numbers import Settings, numbers_of
 from products.train.train import Train
@@ -312,3 +313,36 @@ def test_it_is_drawn(page: Page, tmp_path: Path) -> None:
     shot = Path(os.environ.get("BOGIE_BRAKING_PICTURES", tmp_path)) / f"train-{page.evaluate('innerWidth')}.png"
     page.screenshot(shot)
     assert shot.stat().st_size > 10_000
+
+
+#: Consists with a handle: the notch that releases, and that of the large button; a notch of its own.
+HANDLES = {
+    "26-L": (("release", "full service"), "15 psi"),
+    "PBL2": (("desserrage", "serrage maximal"), "serrage"),
+    "H-6": (("running", "service until lap"), "release"),
+    "British vacuum": (("running", "full brake"), "10 inches"),
+}
+
+
+@pytest.mark.parametrize("handle", HANDLES)
+def test_a_trains_handle_has_its_notches_and_they_act_as_in_python(page: Page, handle: str) -> None:
+    (released, braked), notch = HANDLES[handle]
+    vacuum = {"distributor": "vacuum"} if "vacuum" in handle else {}
+    rows = [{"kind": "locomotive", "handle": handle, **vacuum}, {"kind": "coach", "count": 4, **vacuum}]
+    consist = consist_of(rows)
+    link = CarriedTrain("own", consist).packed().replace("+", "-").replace("/", "_").replace("=", "")
+    begin(page, f"#data={link}&speed=60&do=0:{notch},5:half service")
+    assert "5:half service" in page.evaluate("at('result').textContent")
+    page.evaluate("for (let n = 0; n < 100; n += 1) live.train.step(); show()")
+    train = Train(consist, speed=60 / 3.6, settings=Settings())
+    train.drive(notch)
+    for _ in range(100):
+        train.advance(STEP)
+    assert pressures(page) == pytest.approx([float(p) + 101325.0 for p in train.pipe_pressure], abs=ROUNDING * 1e5)
+    pressed = "[...at('valve').children].find((one) => one.ariaPressed === 'true').textContent"
+    assert page.evaluate(pressed) == notch
+    page.evaluate(f"act({json.dumps(released)}), pressBrake()")
+    assert page.evaluate(pressed) == braked
+    page.evaluate("pressBrake()")
+    assert page.evaluate(pressed) == released
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

@@ -11,9 +11,9 @@ const inLink = (text) => text.replaceAll("+", "-").replaceAll("/", "_").replaceA
 const fromLink = (text) => text.replaceAll("-", "+").replaceAll("_", "/");
 
 class Consist {
-  // about: name, and if known vehicles (pairs of name and count), limits (first and last place [m], speed [m/s]).
+  // about: name, and if known vehicles (pairs of name and count), limits (first and last place [m], speed [m/s]), and notches.
   constructor(numbers, about, text) {
-    Object.assign(this, { numbers, text, name: String(about.name), limits: about.limits ?? [] });
+    Object.assign(this, { numbers, text, name: String(about.name), limits: about.limits ?? [], notches: about.notches ?? DATA.notches });
     this.names = (about.vehicles ?? []).flatMap(([name, count]) => Array(count).fill(String(name)));
   }
 

@@ -4,10 +4,9 @@ const AROUND = 101325; // pressure outside [Pa]
 const STEP = 0.02; // of a run [s]; a link counts in it
 const KEPT = 5, LONGEST_RUN = 3600; // steps between points of the history; [s]
 const RESTS = 0.01; // at lower speeds the train is at rest [m/s]
-const VALVE = DATA.valve; // notches from release to emergency, with position and step of the valve
+const RUNNING = 1, OVERCHARGE = 2, SERVICE = 3, EMERGENCY = 4, CONTINUOUS = 6; // positions of the driver's valve
 // Inputs by name; unit: that of a lever, 1 of an integer, otherwise %; most: the end of the lever in this unit.
 const INPUT = Object.fromEntries(DATA.inputs.map((input) => [input.name, { ...input, unit: input.whole ? 1 : 100, most: input.most * (input.whole ? 1 : 100) }]));
-const RELEASED = Object.keys(VALVE).filter((name) => VALVE[name][0] === 1 || VALVE[name][0] === 2);
 
 class Train {
   static async create(module, consist) {
@@ -31,6 +30,7 @@ class Train {
     Object.assign(this, { exports, self, consist, vehicles: consist.vehicles, views: {}, room: exports.malloc(8) });
     const names = Object.keys({ ...DATA.controls, ...DATA.equipment }), known = DATA.inputs.filter(({ name }) => names.includes(name));
     known.sort((a, b) => names.indexOf(a.name) - names.indexOf(b.name));
+    this.notches = consist.notches; // from release to emergency, with position and step of the valve
     this.controls = Object.fromEntries(known.map((input) => [input.name, consist.owners(input)]).filter(([, owners]) => owners.length));
   }
 
@@ -47,11 +47,20 @@ class Train {
   output(name) { return this.array("output", DATA.outputs.indexOf(name)); }
   pressure(name) { return Float32Array.from(this.output(name), (pressure) => pressure - AROUND); }
 
-  // plan: later actions, as [step, name, value]; name: of VALVE, "part", or a control with its value; `act` ends it.
+  // The first notch of a position; of service the one of most.
+  notchOf(position) {
+    const those = Object.keys(this.notches).filter((name) => this.notches[name][0] === position);
+    return those.sort((a, b) => this.notches[b][1] - this.notches[a][1])[0];
+  }
+
+  get fullService() { return this.notchOf(SERVICE) ?? this.notchOf(CONTINUOUS); }
+  get released() { return [RUNNING, OVERCHARGE].includes(this.notches[this.valve][0]); }
+
+  // plan: later actions, as [step, name, value]; name: a notch, "part", or a control with its value; `act` ends it.
   begin(speed, place = 0, plan = []) {
     this.exports.train_begin(this.self, 0, speed, place, this.consist.columns["valve.running"][0], AROUND);
     const couplings = Array(this.vehicles - 1).fill(0), levers = Object.fromEntries(Object.keys(this.controls).map((name) => [name, 0]));
-    Object.assign(this, { steps: 0, plan: [...plan], done: [], history: [], begun: null, stopped: null, valve: "running", parted: false, levers });
+    Object.assign(this, { steps: 0, plan: [...plan], done: [], history: [], begun: null, stopped: null, valve: this.notchOf(RUNNING), parted: false, levers });
     Object.assign(this, { pushed: [...couplings], pulled: [...couplings] });
     this.keep();
   }
@@ -64,7 +73,7 @@ class Train {
   get ended() { return (this.stopped !== null && !this.plan.length) || this.time > LONGEST_RUN; }
   get brakes() {
     const lever = Object.entries(this.levers).some(([name, value]) => value > 0 && (DATA.controls[name]?.brakes ?? false));
-    return lever || this.parted || !RELEASED.includes(this.valve);
+    return lever || this.parted || !this.released;
   }
 
   act(name, value) {
@@ -77,7 +86,7 @@ class Train {
     if (last && last[0] === this.steps && last[1] === name && name in this.levers) this.done.pop();
     this.done.push(name in this.levers ? [this.steps, name, value] : [this.steps, name]);
     if (name === "part") this.part();
-    else if (name in VALVE) this.drive(name);
+    else if (Object.hasOwn(this.notches, name)) this.drive(name);
     else this.set(name, value);
     if (!this.brakes) {
       this.begun = this.stopped = null;
@@ -88,7 +97,7 @@ class Train {
 
   drive(name) {
     this.valve = name;
-    [this.input("driver_position")[0], this.input("driver_step")[0]] = VALVE[name];
+    [this.input("driver_position")[0], this.input("driver_step")[0]] = this.notches[name];
   }
 
   // A control of the desk, on all vehicles that have the equipment.

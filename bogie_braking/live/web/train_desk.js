@@ -8,26 +8,28 @@ class TrainDesk {
   // act: called with a notch, or with a control and its value [%].
   constructor(act) {
     this.act = act;
-    this.handle();
+    this.keys();
     addEventListener("keydown", (event) => this.key(event));
   }
 
-  handle() {
+  keys() {
     const [less, more] = DATA.valveKeys[2].split(" ");
     at("valve-keys").innerHTML = `<kbd>${less}</kbd> <kbd>${more}</kbd> <kbd>backspace</kbd>`;
     at("valve-keys").title = "towards release, towards emergency, emergency: keys by their places on a US keyboard";
-    for (const name of Object.keys(VALVE)) {
-      const button = Object.assign(document.createElement("button"), { type: "button", textContent: name });
-      button.addEventListener("click", () => this.act(name));
-      at("valve").append(button);
-    }
   }
 
-  // The levers of a train; those that it lacks are left out.
+  // The notches and levers of a train; those that it lacks are left out.
   begin(train) {
     this.train = train;
+    at("valve").replaceChildren(...Object.keys(train.notches).map((name) => this.notch(name)));
     at("levers").replaceChildren(...Object.keys(train.controls).map((name) => this.lever(name)));
     at("no-levers").hidden = Object.keys(train.controls).length > 0;
+  }
+
+  notch(name) {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: name });
+    button.addEventListener("click", () => this.act(name));
+    return button;
   }
 
   lever(name) {
@@ -54,11 +56,11 @@ class TrainDesk {
   key(event) {
     const { train } = this, { code, target } = event;
     if (!train || event.ctrlKey || event.metaKey || event.altKey || target.closest("select, [type=number]")) return;
-    const [release, apply] = DATA.valveKeys, notches = Object.keys(VALVE);
+    const [release, apply] = DATA.valveKeys, notches = Object.keys(train.notches);
     if (code === release || code === apply) {
       const next = notches.indexOf(train.valve) + (code === apply ? 1 : -1);
       if (next >= 0 && next < notches.length) this.act(notches[next]);
-    } else if (code === "Backspace") this.act("emergency");
+    } else if (code === "Backspace") this.act(train.notchOf(EMERGENCY));
     else this.move(code);
   }
 

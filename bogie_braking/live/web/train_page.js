@@ -21,7 +21,7 @@ async function start(plan = []) {
   const train = await Train.create(live.module, consist);
   if (turn !== live.turn) return;
   keepBefore();
-  const known = plan.filter(([, name]) => name in VALVE || name in train.controls || (name === "part" && train.vehicles > 1));
+  const known = plan.filter(([, name]) => Object.hasOwn(train.notches, name) || name in train.controls || (name === "part" && train.vehicles > 1));
   at("place").placeholder = consist.start;
   train.begin(Number(settings.speed) / 3.6, settings.place === "" ? consist.start : Number(settings.place), known);
   Object.assign(live, { train, consist: consist.name, settings, left: 0, told: false, doing: "" });
@@ -49,9 +49,9 @@ function pressBrake() {
   const { train } = live;
   if (!train) return;
   if (train.ended) return void restart();
-  if (train.valve !== "running") return act("running");
+  if (!train.released) return act(train.notchOf(RUNNING));
   if (train.levers.traction) act("traction", 0);
-  act("full service");
+  act(train.fullService);
 }
 
 const restart = () => start().catch((error) => tell(error.message));
@@ -61,11 +61,11 @@ function tell(message) {
 }
 
 function show(all = true) {
-  const { train, before } = live, applied = !RELEASED.includes(train.valve), { begun } = train;
+  const { train, before } = live, applied = !train.released, { begun } = train;
   drawTrain(at("train-view"), train);
   if (all) {
     chart.draw(train.history, before && begun ? { ...before, shift: begun.time - before.begun } : null);
-    const { running } = train.consist, ranges = [running > 0 ? [0, 0.6 * running, 1.1 * running] : [-1e5, -1e5, 0], [0, 0, CYLINDER]];
+    const { running } = train.consist, ranges = [running > 0 ? [0, 0.6 * running, 1.1 * running] : [-1e5, -1e5, 0], [0, 0, fullCylinder(running)]];
     plots.forEach((plot, number) => plot.draw(train.history, ranges[number]));
     places.draw(train);
   }
@@ -180,9 +180,9 @@ async function openLink(hash) {
 
 const isControl = (name) => name in INPUT && (name in DATA.controls || name in DATA.equipment);
 
-// Returns whether words are an action: a step and a notch, or a step, a control and its value [%].
+// Returns whether words are a step and a word, which may be a notch, or a step, a control and its value [%].
 function isAction([step, what, much]) {
-  return /^\d{1,6}$/.test(step) && (what in VALVE || what === "part" || (isControl(what) && /^\d{1,3}$/.test(much) && Number(much) <= INPUT[what].most));
+  return /^\d{1,6}$/.test(step) && (isControl(what) ? /^\d{1,3}$/.test(much) && Number(much) <= INPUT[what].most : Boolean(what) && much === undefined);
 }
 
 // Adds a train of a file or of a link to the choice, and chooses it.

@@ -1,6 +1,7 @@
 // The train, and below it rows of bars: pressure of the pipe, of the cylinders, forces of the couplers. The head is on the right.
 
-const CYLINDER = 4.5e5, COUPLER = 4e5; // full bars [Pa], [N]; that of couplers grows with the forces
+const COUPLER = 4e5; // full bar [N], which grows with the forces
+const fullCylinder = (running) => (running < 0 ? -running : 4.5e5); // full bar of the cylinders, by the charged pipe [Pa]
 
 // The vehicles themselves above their bars, the head and those with motors in another colour; x: left end of the vehicle with a number.
 function drawWagons(context, n, x, wide, powered) {
@@ -45,7 +46,8 @@ function drawTrain(canvas, train) {
   const full = Math.abs(train.consist.running), sign = Math.sign(train.consist.running), pipe = train.pressure("pipe_pressure");
   row(0, `${sign < 0 ? "vacuum in the " : ""}brake pipe [bar], the head on the right`, pipe.map((pressure) => sign * pressure), 1.1 * full,
     () => look.pipe, [[0, "0"], [1 / 1.1, `${+(full / 1e5).toFixed(1)}`]]);
-  row(1, "brake cylinders [bar]", train.pressure("cylinder_pressure"), CYLINDER, () => look.signal, [[0, "0"], [3.8e5 / CYLINDER, "3.8"]]);
+  const cylinder = fullCylinder(train.consist.running), mark = sign < 0 ? 0.5e5 : 3.8e5;
+  row(1, "brake cylinders [bar]", train.pressure("cylinder_pressure"), cylinder, () => look.signal, [[0, "0"], [mark / cylinder, `${mark / 1e5}`]]);
   const most = Math.max(COUPLER, 1e5 * Math.ceil(Math.max(0, ...train.pushed, ...train.pulled) / 1e5)), kilo = most / 1e3;
   const marks = [[0, "0"], [1, `+${kilo}`], [-1, `-${kilo}`]];
   row(2, "coupler forces [kN], pushed below 0", [...train.output("coupler_force")], most,
