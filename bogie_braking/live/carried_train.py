@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -51,7 +52,7 @@ class CarriedTrain:
             )
         numbers = numbers_of(self.consist, Settings(), self.line)
         names = groupby(vehicle.name or vehicle.kind for vehicle in self.consist.vehicles)
-        about = {
+        about: dict[str, Any] = {
             "name": self.name,
             "layout": layout_mark(),
             "vehicles": [[name, len(list(those))] for name, those in names],
