@@ -1,7 +1,7 @@
-"""Drivers by timetable with and without a profile of least energy, against a dynamic programme, on three lines.
+"""Drivers by timetable with and without a profile of least energy, against a dynamic program, on three lines.
 
 A metro unit and a locomotive with six coaches run 6 km in 300 to 420 s, on level track, on slopes and with limits of
-speed. The dynamic programme (`energy_programme`) has the same forces, and the time in which the driver arrived.
+speed. The dynamic program (`energy_program`) has the same forces, and the time in which the driver arrived.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from bogie_braking.reporting.plots import LEADING, TRAILING, charts
 from bogie_braking.reporting.progress import counting
 from bogie_braking.reporting.report import Report, Row, at_most, measured, near
 from bogie_braking.reporting.scenario import Options, Scenario
-from evidence.trains.energy_programme import Array, Journey, least_energy_of
+from evidence.trains.energy_program import Array, Journey, least_energy_of
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist_file import consist_of
 from products.train.stations import StationStop
@@ -37,7 +37,7 @@ TRAINS: dict[str, list[dict[str, Any]]] = {
     "metro": [CAR | {"valve": "head"}, CAR, CAR],
     "coaches": [LOCOMOTIVE, {"kind": "coach", "count": 6}],
 }
-#: Way [m], deceleration [m/s2], speed above which no journey goes [m/s]; adhesion of the driver.
+#: Distance [m], deceleration [m/s2], speed above which no journey goes [m/s]; adhesion of the driver.
 WAY, DECELERATION, FASTEST, ADHESION = 6000.0, 0.5, 120.0 / 3.6, 0.25
 #: Lines: gradients from places on, and limits of speed from places on [m], [1], [m/s].
 GRADIENTS: dict[str, list[tuple[float, float]]] = {
@@ -49,7 +49,7 @@ LINES = ("level", "slopes", "limits")
 CASES = [(train, line, due) for train in TRAINS for line in LINES for due in (300.0, 420.0)]
 CASES = [(train, line, 400.0 if line == "limits" and due == 300.0 else due) for train, line, due in CASES]
 QUICK = (("metro", "slopes", 420.0),)
-#: Energy over that of the programme that is allowed [1], distance from the place [m] and time [s] of a stop.
+#: Energy over that of the program that is allowed [1], distance from the place [m] and time [s] of a stop.
 OVER, PLACE, TIME = 0.01, 1.0, 4.0
 
 
@@ -92,7 +92,7 @@ def _drive(rows: Sequence[Mapping[str, Any]], kind: str, speed: Array) -> Array:
 
 
 def journey_of(name: str, line: str, recovery: float = 0.0) -> Journey:
-    """Return what the programme needs, from the columns: no function of the driver is used."""
+    """Return what the program needs, from the columns: no function of the driver is used."""
     vehicles, rows = consist_of(TRAINS[name]).vehicles, TRAINS[name]
     a, b, c = np.sum([vehicle.resistance for vehicle in vehicles], axis=0)
     driven_weight = sum(one.mass for one in vehicles if one.traction.traction_force) * GRAVITY
@@ -135,17 +135,17 @@ def journey_of(name: str, line: str, recovery: float = 0.0) -> Journey:
 
 
 def rows_of(name: str, line: str, due: float, holding: Run, saving: Run, least: float) -> list[Row]:
-    """Return the rows of a case: both energies, the programme's, arrival and place."""
+    """Return the rows of a case: both energies, the program's, arrival and place."""
     case = f"{name}, {line}, {due:.0f} s"
     return [
         measured(f"{case}: energy of a steady speed", "kWh", holding.energy / 3.6e6),
         measured(f"{case}: energy of the profile", "kWh", saving.energy / 3.6e6),
         measured(f"{case}: saved", "%", 100 * (1 - saving.energy / holding.energy)),
         measured(
-            f"{case}: energy over the programme's",
+            f"{case}: energy over the program's",
             "%",
             100 * (saving.energy / least - 1),
-            "programme",
+            "program",
             at_most(100 * OVER),
         ),
         measured(f"{case}: late", "s", saving.arrived - due, "driver", near(0.0, TIME)),
@@ -181,5 +181,5 @@ def draw(runs: Mapping[tuple[str, str, float], tuple[Run, Run]]) -> Figure:
 
 
 SCENARIO = Scenario(
-    "train-energy", "Drivers of least energy on three lines, against a dynamic programme: energy, arrival, place", run
+    "train-energy", "Drivers of least energy on three lines, against a dynamic program: energy, arrival, place", run
 )

@@ -26,7 +26,7 @@ def _vehicle_forces(train_vehicle: TrainVehicle) -> np.ndarray:
     """Return the largest forces of a vehicle over SPEEDS [N], shape (5, n).
 
     Rows: motors; electric brake that the input `dynamic_brake` controls; air brake; weight on driven wheels times the
-    fall of adhesion by Curtius and Kniffler; electric brake, whatever controls it.
+    fall of adhesion by Curtius and Kniffler; electric brake, also if the driver's valve controls it.
     """
     wired = kind_of(train_vehicle.distributor).wired  # the driver's valve demands both brakes of such a vehicle
     motors = list(replace(train_vehicle.traction, traction_rise=0.0).values().values())

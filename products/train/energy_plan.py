@@ -1,4 +1,4 @@
-"""The plan of a driver who saves energy: a profile to the next stop, made anew when the train leaves it."""
+"""The plan of a driver who saves energy: a profile to the next stop, made again when the train leaves it."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from products.train.train import Train
 
 #: Length of a cell [m], and least and largest number of cells; places of a cell whose gradients are averaged. Assumed.
 CELL, FEW, MANY, WITHIN = 60.0, 30, 150, 5
-#: A profile is made anew if the train is away by a time [s] or a speed [m/s], not sooner than after a time [s], nor
-#: within a time before the train is due [s]. Assumed.
+#: A profile is made again if the train is away by a time [s] or a speed [m/s]. Not before a time [s] since the last
+#: one, and not within a time before the train is due [s]. Assumed.
 AWAY, FASTER, AGAIN, LATEST = 1.0, 0.7, 10.0, 30.0
 #: Time by which the train may be late at a price, over that of the first profile: else a second that is lost on the way
 #: would be made up at any. Assumed.

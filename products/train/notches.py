@@ -121,7 +121,7 @@ def driven(name: str, step: float, valve: DriversValve | VacuumValve, handle: st
 def notches_shown(valve: DriversValve | VacuumValve, handle: str = FEW, by_wire: bool = False) -> dict[str, Inputs]:
     """Return the inputs of the notches of a handle, from release to emergency, by their first names.
 
-    Left out are notches whose step the driver gives or the valve does not have, and those that service by wire refuses.
+    Without notches whose step the driver gives or the valve does not have, and those that service by wire refuses.
     """
     found: dict[str, Inputs] = {}
     for notch in handles()[handle].notches:

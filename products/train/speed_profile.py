@@ -1,9 +1,9 @@
-"""The speed profile of least energy between two stops, for a due time: by linear programmes.
+"""The speed profile of least energy between two stops, for a due time: by linear programs.
 
 Its regimes are those of the maximum principle: full power, a held speed, coasting, partial and full braking (Howlett
 and Pudney 1995; Khmelnitsky 2000; reviewed by Scheepmaker, Goverde and Kroon 2017; none was read). Nothing here assumes
 them. Over place, with K = v^2 / 2, force and braking are linear in K, and the time of a cell, 2 h / (v_1 + v_2), is
-convex: it is the highest of its tangents. Only resistance and largest forces over K are not linear; a few programmes,
+convex: it is the highest of its tangents. Only resistance and largest forces over K are not linear; a few programs,
 each linearised at the profile before, give them (the convex-concave procedure: Lipp and Boyd 2016). SciPy's HiGHS
 solves each in tenths of a second, so that a driver can plan again on the way.
 """
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import bmat, coo_matrix, csr_matrix, diags, hstack, identity, vstack
 
-#: Programmes after which a profile is final; least speed on the way [m/s], and ratio of the speeds of two tangents.
+#: Programs after which a profile is final; least speed on the way [m/s], and ratio of the speeds of two tangents.
 ROUNDS, SLOWEST, RATIO = 3, 0.5, 1.06
 METHOD = "highs"
 #: Cells are divided where the force changes by this share of the largest one, into a number of parts.
@@ -30,10 +30,12 @@ Array = NDArray[np.float64]
 class Leg:
     """The way to a stop, and the train on it. Forces are per kg of its mass with rotating parts [m/s2].
 
-    place: ends of the cells [m], shape (n + 1,). allowed: largest speed there [m/s]. slope: gravity and curves on a
-    cell, against the motion, shape (n,). resistance: a, b, c of a + b v + c v^2. speeds, motors, electric: largest
-    forces of motors and electric brakes over speeds [m/s]. deceleration: largest one [m/s2]. recovery: share of the
-    electric brake's energy that comes back [1].
+    place: ends of the cells [m], shape (n + 1,). allowed: largest speed there [m/s].
+    slope: gravity and curves on a cell, against the motion, shape (n,).
+    resistance: a, b, c of a + b v + c v^2.
+    speeds, motors, electric: largest forces of motors and electric brakes over speeds [m/s].
+    deceleration: largest one [m/s2].
+    recovery: share of the electric brake's energy that comes back [1].
     """
 
     place: Array
@@ -207,7 +209,7 @@ def least_energy(leg: Leg, begin: float, due: Due) -> SpeedProfile:
 
 
 def _improved(leg: Leg, best: SpeedProfile, due: Due, rounds: int) -> SpeedProfile:
-    """Return the profile after a number of programmes, each linearised at the one before."""
+    """Return the profile after a number of programs, each linearised at the one before."""
     count = int(np.log(2 * leg.allowed.max() / SLOWEST) / np.log(RATIO))
     grid = SLOWEST * RATIO ** np.arange(count)
     tangents = [_tangents(leg, np.full(len(leg.place), speed), best.speed[0]) for speed in grid]

@@ -28,7 +28,7 @@ class StartWatch:
     brakes: float = math.inf
 
     def reset(self) -> None:
-        """Begin anew, because the train is to stand."""
+        """Begin again, because the train is to stand."""
         self.place = -math.inf
 
     def look(self, train: Train, adhesion: float = math.inf) -> None:

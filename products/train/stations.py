@@ -97,7 +97,7 @@ def check_limits(limits: Sequence[tuple[float, float]]) -> None:
 
 
 def stopping_rate(way: float, speed: float, jerk: float) -> float:
-    """Return the deceleration b [m/s2] that stops a train in a way [m] from a speed [m/s], with a soft end.
+    """Return the deceleration b [m/s2] that stops a train in a distance [m] from a speed [m/s], with a soft end.
 
     At the end b falls to 0 at the rate of the jerk j [m/s3]: from v = b^2 / 2 j on. Before, v^2 / 2 b + b^3 / 24 j^2
     = s. Within the end (2 / 3) v^2 / s, because s = (2 / 3) v^1.5 / sqrt(2 j) there.

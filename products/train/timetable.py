@@ -63,7 +63,7 @@ class TimetableDriver:
         Whether the train arrives with the least energy instead of at a steady speed: it follows a profile of full
         power, held speed, coasting and braking (`speed_profile`), with the gradients of the train's line.
     recovery : float
-        Share of the electric brake's energy that the profile counts as recovered [1].
+        Share of the electric brake's energy that comes back [1].
     jerk : float
         Largest rate of acceleration and deceleration that the commands lead to [m/s3], at the stop, too; 0: no limit.
         All vehicles must have `brake = "ep-direct"`. Then `act` is to be called each 0.1 s, `period`.

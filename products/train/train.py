@@ -427,7 +427,7 @@ class Train:
 
     @property
     def messages(self) -> list[str]:
-        """Messages of the run: notes on its start, couplers that broke, wheels that locked, controllers that failed."""
+        """Messages of the run: notes on its start, broken couplers, locked wheels, failed controllers."""
         times, breaks = self.locked_at, self._times(self._call.train_broken_at)
         broken = (
             f"The rear coupler of vehicle {n + 1} broke at {breaks[n]:.2f} s." for n in np.flatnonzero(breaks < NEVER)

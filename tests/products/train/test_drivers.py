@@ -11,7 +11,7 @@ import pytest
 
 from brake_controller.air import AMBIENT
 from brake_controller.distributors import DISTRIBUTORS
-from evidence.trains.energy_programme import least_energy_of
+from evidence.trains.energy_program import least_energy_of
 from evidence.trains.train_energy import driven, journey_of
 from products.train.consist_file import consist_of
 from products.train.driver import HoldingDriver
@@ -217,7 +217,7 @@ def test_recovered_energy_brakes_earlier_and_limits_hold_below_the_whole_train()
 def test_a_driver_of_least_energy_is_within_1_percent_of_a_dynamic_programme(
     train: str, line: str, due: float, recovery: float
 ) -> None:
-    """evidence/trains/energy_programme.py shares no method with the profile; it has the time that the driver took."""
+    """evidence/trains/energy_program.py shares no method with the profile; it has the time that the driver took."""
     saving, holding = (driven(train, line, due, energy, recovery if energy else 0.0) for energy in (True, False))
     least = least_energy_of(journey_of(train, line, recovery), saving.arrived)[2]
     assert -0.005 < saving.energy / least - 1.0 < 0.01

@@ -1,4 +1,4 @@
-"""An independent programme of least energy: a dynamic programme over place and speed, with a price of time (an oracle).
+"""An independent program of least energy: a dynamic program over place and speed, with a price of time (an oracle).
 
 It shares no code and no method with `products/train/speed_profile.py`: Bellman's recursion with 26 forces at each
 state, values interpolated over the square of the speed, the price of time by bisection.
@@ -21,10 +21,12 @@ IMPOSSIBLE = 1e15
 
 @dataclass(frozen=True)
 class Journey:
-    """A train from rest to rest: mass with rotating parts [kg], way [m], largest deceleration [m/s2].
+    """A train from rest to rest: mass with rotating parts [kg], distance [m], largest deceleration [m/s2].
 
-    pull, resisting: forces over speed [N]. climbing: force of the gradient over the place of the front [N]. allowed:
-    largest speed over that place [m/s]. electric: largest force of electric brakes over speed [N]; recovery: its share.
+    pull, resisting: forces over speed [N].
+    climbing: force of the gradient over the place of the front [N].
+    allowed: largest speed over that place [m/s].
+    electric: largest force of electric brakes over speed [N]; recovery: its share.
     """
 
     mass: float
@@ -38,7 +40,7 @@ class Journey:
     recovery: float = 0.0
 
 
-class Programme:
+class Program:
     """Values of a journey for a price of time [J/s], and the run from rest that they lead to."""
 
     def __init__(self, journey: Journey, cells: int, speeds: int) -> None:
@@ -98,12 +100,12 @@ def least_energy_of(journey: Journey, due: float, cells: int = 150, speeds: int 
 
     The energy of the run whose time is next to the due one, less the price of the difference: dE/dT is minus the price.
     """
-    programme = Programme(journey, cells, speeds)
+    program = Program(journey, cells, speeds)
     low, high = 1e2, 1e7
     for _ in range(HALVINGS):
         price = np.sqrt(low * high)
-        speed, energy, time = programme.run(price)
+        speed, energy, time = program.run(price)
         low, high = (price, high) if time > due else (low, price)
         if abs(time - due) < 2e-3 * due:
             break
-    return programme.place, speed, energy + price * (time - due)
+    return program.place, speed, energy + price * (time - due)
