@@ -45,6 +45,10 @@ CELL_WORDS: dict[str, dict[str, tuple[str, ...]]] = {
     "accelerated_release": {"yes": _YES, "no": _NO},
     "direct_admission": {"yes": _YES, "no": _NO},
     "distributor": {"vacuum": ("Saugluft", "Saugluftbremse", "Vakuumbremse", "vide", "frein à vide")},
+    "vigilance_penalty": {
+        "emergency": ("Schnellbremsung", "freinage d'urgence"),
+        "service": ("Vollbremsung", "freinage de service"),
+    },
     "weighing": {"continuous": ("stufenlos", "continu"), "lever": ("Hebel", "zweistufig")},
 }
 #: Words that may mean several choices, by column, each with its remedy.
