@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import (
     FROM_100,
     NOTHING,
@@ -47,7 +46,6 @@ from brake_controller.vehicle_brake import (
     NO_LAW,
     TABLE,
     VehicleBrake,
-    brake_force,
     over_points,
     over_speed,
     points_of,
@@ -120,7 +118,7 @@ def brake_of(values: Mapping[str, Any], train_vehicle: TrainVehicle) -> VehicleB
         force = si(values, "shoe_force") / pressure
         return replace(usual, counter_force=0.0, efficiency=1.0, force_per_pressure=force)
     if "deceleration" in values:
-        return braked_with(values["deceleration"] * (1 + train_vehicle.rotating_share) * train_vehicle.mass, pressure)
+        return braked_with(values["deceleration"] * train_vehicle.moved_mass, pressure)
     if "brake_force" in values:
         force = si(values, "brake_force")
         return _standing_with(force, pressure, friction, usual.shoes) if law else braked_with(force, pressure)
@@ -156,15 +154,11 @@ def _pressed(force: float, pressure: float, friction: Mapping[str, float], shoes
     return replace(braked_with(0.3 * force, pressure), shoes=shoes, **({"constant_friction": 0.0} | dict(friction)))
 
 
-def _force_at(vehicle_brake: VehicleBrake, pressure: float, speed: float) -> float:
-    return float(brake_force(pressure + AMBIENT, speed, vehicle_brake.values()))
-
-
 def _standing_with(force: float, pressure: float, friction: Mapping[str, float], shoes: float) -> VehicleBrake:
     """Return a brake with a force at the rims [N] at standstill."""
 
     def excess(pressed: float) -> float:
-        return _force_at(_pressed(pressed, pressure, friction, shoes), pressure, 0.0) - force
+        return float(forces_of(_pressed(pressed, pressure, friction, shoes), pressure, 0.0)) - force
 
     return _pressed(_root(excess, force, 100.0 * force), pressure, friction, shoes)
 
@@ -180,7 +174,7 @@ def _sized_by(
 
     beside: further forces of the vehicle at SPEEDS [N].
     """
-    turning, pressure = (1 + train_vehicle.rotating_share) * train_vehicle.mass, train_vehicle.distributor.full_pressure
+    turning, pressure = train_vehicle.moved_mass, train_vehicle.distributor.full_pressure
     check_percentage(percentage, turning, train_vehicle.resistance, beside)
     mean = force_of_percentage(percentage, turning, FROM_100)
     way = turning * FROM_100.speed**2 / (2 * mean)

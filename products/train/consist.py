@@ -123,9 +123,14 @@ class TrainVehicle:
         force = forces_of(self.brake, np.full(SPEEDS.size, self.distributor.full_pressure), SPEEDS)
         if not force.any():
             return 0.0
-        way = braking_way(force, (1 + self.rotating_share) * self.mass, self.resistance)
+        way = braking_way(force, self.moved_mass, self.resistance)
         stop = VEHICLE_BUILD_UP * FROM_100.speed + way
         return percentage_of_vehicle(stop, FROM_100) if stop < FROM_100.constant / FROM_100.offset else 0.0
+
+    @property
+    def moved_mass(self) -> float:
+        """Mass with its rotating parts [kg]."""
+        return (1 + self.rotating_share) * self.mass
 
     @property
     def pipe_length(self) -> float:
@@ -133,7 +138,9 @@ class TrainVehicle:
         return self.length + 2 * HOSE
 
 
-def forces_of(brake: VehicleBrake, pressure: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
+def forces_of(
+    brake: VehicleBrake, pressure: float | NDArray[np.float64], speed: float | NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Return brake forces at the rim [N] by gauge pressures [Pa] and speeds [m/s], one of each, eqs (2.4) to (2.7)."""
     return np.asarray(brake_force(pressure + AMBIENT, speed, brake.values()))
 

@@ -60,7 +60,7 @@ def train_forces(consist: Consist) -> np.ndarray:
 
 def moved_mass(consist: Consist) -> float:
     """Return the mass of a train with its rotating parts [kg]."""
-    return sum((1 + vehicle.rotating_share) * vehicle.mass for vehicle in consist.vehicles)
+    return sum(vehicle.moved_mass for vehicle in consist.vehicles)
 
 
 def resistance_of(consist: Consist) -> tuple[float, float, float]:

@@ -8,11 +8,10 @@ from itertools import groupby, islice, pairwise
 
 import numpy as np
 
-from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import braked_weight
-from brake_controller.vehicle_brake import brake_force as force_at_rims
 from products.train.brake_model import select_brake_model
-from products.train.consist import Consist, TrainVehicle
+from products.train.consist import Consist, TrainVehicle, forces_of
+from products.train.driver_forces import resistance_of
 from products.train.layout import START_FRICTION
 from products.train.train import Train
 from rbd_model.train.coupler import Coupler, screw_coupler
@@ -161,8 +160,7 @@ def _account(consist: Consist) -> list[str]:
 
 def brake_force(train_vehicle: TrainVehicle, speed: float) -> float:
     """Return the brake force of a vehicle with full cylinders at a speed [m/s] at its rims [N], eqs (2.4) to (2.7)."""
-    full = train_vehicle.distributor.full_pressure + AMBIENT
-    return float(force_at_rims(full, speed, train_vehicle.brake.values()))
+    return float(forces_of(train_vehicle.brake, train_vehicle.distributor.full_pressure, speed))
 
 
 def _resisted(law: tuple[float, float, float], speed: float) -> float:
@@ -173,7 +171,7 @@ def _resisted(law: tuple[float, float, float], speed: float) -> float:
 
 def _at(consist: Consist, speed: float) -> AtSpeed:
     metres = speed / 3.6
-    resistance = sum(_resisted(vehicle.resistance, metres) for vehicle in consist.vehicles)
+    resistance = _resisted(resistance_of(consist), metres)
     force = sum(brake_force(one, metres) for one in consist.vehicles)
     return AtSpeed(speed, 1e-3 * resistance, 1e-3 * force, stopping_distance(consist, metres))
 

@@ -41,18 +41,16 @@ SETTABLE = ("consist", "settings", "imported", "inputs", "run_history")
 NEVER = 1e300
 #: Outputs that are recorded.
 RECORDED = [one for one in (*OUTPUTS, *OF_WHEELS) if one.name != "mean_coupler_force"]
-#: Outputs that are recorded only of trains with brakes that warm up.
-OF_HEAT = ("brake_temperature", "surface_temperature", "block_temperature", "brake_heat")
-#: Outputs that are recorded only of trains with track brakes.
-OF_TRACK = ("track_brake_force",)
-#: Outputs that are recorded only of trains with motors, and with motors or electric brakes.
-OF_TRACTION, OF_DRIVES = ("traction_force", "traction_energy"), ("electric_brake_energy",)
-#: Outputs that are recorded only of trains with wheel-slide protection.
-OF_PROTECTION = ("protection_state", "protection_air")
-#: Outputs that are recorded only of trains with main reservoirs, and with vigilance devices.
-OF_RESERVOIRS = ("main_reservoir_pressure", "compressor_on", "compressor_air")
-OF_VIGILANCE = ("vigilance_warning", "penalty_applied")
-#: Places of outputs, and of the run's numbers.
+#: Outputs that are recorded only of trains with such a vehicle: its fields, and the values that they exceed.
+ONLY_WITH: dict[tuple[str, ...], Mapping[str, float]] = {
+    ("brake_temperature", "surface_temperature", "block_temperature", "brake_heat"): {"heat.heat_capacity": 0.0},
+    ("track_brake_force",): EQUIPMENT["track_brake"].above,
+    ("traction_force", "traction_energy"): EQUIPMENT["traction"].above,
+    ("electric_brake_energy",): {**EQUIPMENT["traction"].above, **EQUIPMENT["dynamic_brake"].above},
+    ("protection_state", "protection_air"): {"protection.controller": 0.0},
+    ("main_reservoir_pressure", "compressor_on", "compressor_air"): {"main_reservoir.reservoir_volume": 0.0},
+    ("vigilance_warning", "penalty_applied"): EQUIPMENT["vigilance"].above,
+}
 #: Inputs that a vehicle with a controller does not take, and why.
 OF_CONTROLLED = {
     "protection": "which commands its valves",
@@ -60,6 +58,7 @@ OF_CONTROLLED = {
 }
 #: `protection_state` of a controller that failed.
 FAILED = 3.0
+#: Places of outputs, and of the run's numbers.
 OUTPUT, SUM = ({one.name: place for place, one in enumerate(of)} for of in (OUTPUTS, SUMS))
 
 
@@ -80,23 +79,15 @@ def _place(name: str, value: int, count: int) -> None:
         raise ValueError(f"The number of a {name} must be an integer from 0 to {count - 1}; got {value}.")
 
 
-def has_equipment(consist: Consist, name: str) -> bool:
-    """Return whether a vehicle has the equipment that an input needs."""
-    above = [(attrgetter(field), value) for field, value in EQUIPMENT[name].above.items()]
-    return any(field(vehicle) > value for vehicle in consist.vehicles for field, value in above)
+def _exceeds(consist: Consist, above: Mapping[str, float]) -> bool:
+    """Return whether a field of a vehicle exceeds its value."""
+    fields = [(attrgetter(field), value) for field, value in above.items()]
+    return any(field(vehicle) > value for vehicle in consist.vehicles for field, value in fields)
 
 
 def _recorded_of(consist: Consist) -> list[Array]:
     """Return the outputs that are recorded of a consist."""
-    heats = any(vehicle.heat.heat_capacity > 0.0 for vehicle in consist.vehicles)
-    protects = any(vehicle.protection.controller for vehicle in consist.vehicles)
-    pulls, tracks = has_equipment(consist, "traction"), has_equipment(consist, "track_brake")
-    drives = pulls or has_equipment(consist, "dynamic_brake")
-    kept = {OF_PROTECTION: protects, OF_HEAT: heats, OF_TRACTION: pulls, OF_DRIVES: drives, OF_TRACK: tracks}
-    reservoirs = any(vehicle.main_reservoir.reservoir_volume > 0.0 for vehicle in consist.vehicles)
-    watches = has_equipment(consist, "vigilance")
-    kept |= {OF_RESERVOIRS: reservoirs, OF_VIGILANCE: watches}
-    left_out = {name for names, is_kept in kept.items() if not is_kept for name in names}
+    left_out = {name for names, above in ONLY_WITH.items() if not _exceeds(consist, above) for name in names}
     return [one for one in RECORDED if one.name not in left_out]
 
 
@@ -109,7 +100,7 @@ def start_limits(consist: Consist) -> dict[str, tuple[float, float]]:
 
 def idle_inputs(consist: Consist) -> dict[str, str]:
     """Return the inputs that no vehicle of a consist uses, and what it lacks."""
-    return {name: one.text for name, one in EQUIPMENT.items() if not has_equipment(consist, name)}
+    return {name: one.text for name, one in EQUIPMENT.items() if not _exceeds(consist, one.above)}
 
 
 class Train:

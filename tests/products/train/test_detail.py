@@ -197,6 +197,7 @@ def test_momentum_and_energy_are_conserved(monkeypatch: pytest.MonkeyPatch, plac
     assert momentum(own) == pytest.approx(impulse, abs=1e-4 * exchanged)
 
 
+@pytest.mark.study
 def test_a_compression_pushes_outwards_in_a_curve() -> None:
     """2 F a / R (docs/train-couplers.md), by forces at both ends of the train; level 3."""
     pushed = []

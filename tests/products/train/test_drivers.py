@@ -214,7 +214,7 @@ def test_recovered_energy_brakes_earlier_and_limits_hold_below_the_whole_train()
         ("metro", "limits", 400.0, 0.0),
     ],
 )
-def test_a_driver_of_least_energy_is_within_1_percent_of_a_dynamic_programme(
+def test_a_driver_of_least_energy_is_within_1_percent_of_a_dynamic_program(
     train: str, line: str, due: float, recovery: float
 ) -> None:
     """evidence/trains/energy_program.py shares no method with the profile; it has the time that the driver took."""
