@@ -69,12 +69,12 @@ def test_a_driver_holds_a_train_whose_brakes_release_wholly(gradient: float) -> 
         released += step < before
         before = step
         train.advance(driver.period)
-        assert abs(train.speed[0] - 15.0) < 4.5 / 2  # docs/train.md
+        assert abs(train.speed[0] - 15.0) < 4.5 / 2  # docs/drivers.md
     assert released > 2
 
 
 def test_repeated_releases_exhaust_the_reservoirs_of_a_long_heavy_train() -> None:
-    """docs/train.md: full service then leaves less than 2.5 of 3.57 bar in the cylinders, and the train runs away."""
+    """docs/drivers.md: full service then leaves less than 2.5 of 3.57 bar in the cylinders, and the train runs away."""
     wagons = {"kind": "wagon", "distributor": "aar", "count": 30, "mass": 100.0}
     train = train_of([{"kind": "locomotive", "distributor": "aar"}, wagons], -0.025, speed=50.0 / 3.6)
     driver = HoldingDriver(50.0 / 3.6)
@@ -193,7 +193,7 @@ def test_a_profile_without_resistance_has_its_closed_form() -> None:
     assert profile.price == pytest.approx(1 / (way / speed**3 - (1 / pull + 1 / brake) / 2 / speed), rel=0.05)  # -dE/dT
 
 
-def test_recovered_energy_brakes_earlier_and_limits_hold_below_the_whole_train() -> None:
+def test_without_resistance_all_energy_is_recovered_and_limits_hold() -> None:
     """With all energy back and no resistance, a train that brakes by its weak electric brake alone needs none."""
     place, speeds = np.linspace(0.0, 3000.0, 61), np.linspace(0.0, 60.0, 61)
     allowed = np.where((place > 999.0) & (place < 1501.0), 12.0, 30.0)

@@ -87,14 +87,14 @@ def sliding(controller: Any = None, coaches: int = 2, **columns: Any) -> Train:
     return train
 
 
-def stopped(train: Train) -> tuple[float, np.ndarray, float]:
-    """Return distance [m], time for which the wheels of each were locked above LOCK_ABOVE [s], and the largest slip."""
+def stopped(train: Train) -> tuple[float, np.ndarray]:
+    """Return distance [m], and time for which the wheels of each were locked above LOCK_ABOVE [s]."""
     begin = train.distance[0]
     stop = train.record(200.0, 0.05)
     vehicles = range(1, len(train.consist.vehicles) + 1)
     fast = [stop[f"speed[{n}]"] > LOCK_ABOVE for n in vehicles]
     locked = np.array([0.05 * stop[f"locked[{n}]"][fast[n - 1]].sum() for n in vehicles])
-    return train.distance[0] - begin, locked, max(stop[f"slip[{n}]"].max() for n in vehicles)
+    return train.distance[0] - begin, locked
 
 
 # ---- against the rig -------------------------------------------------------------------------------------------------
@@ -292,12 +292,11 @@ def test_on_a_good_rail_a_protection_changes_nothing_and_its_cylinders_fill_once
 
 def test_eight_vehicles_with_eight_controllers_stop_shorter_and_hardly_lock() -> None:
     """Above 0.3 m/s each is locked for less than a second, instead of most of the stop."""
-    free, locked, _ = stopped(sliding(coaches=7))
-    distance, never, slip = stopped(sliding("built-in", coaches=7, vent_time=0.6))
+    free, locked = stopped(sliding(coaches=7))
+    distance, never = stopped(sliding("built-in", coaches=7, vent_time=0.6))
     assert (locked[1:] > 10.0).all()  # the locomotive rolls
     assert never.max() < 1.0
     assert distance < 0.9 * free
-    assert slip <= 1.0
 
 
 def test_the_built_in_controller_as_an_fmu_of_its_own_gives_the_same(tmp_path: Path) -> None:
