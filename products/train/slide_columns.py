@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from brake_controller.distributors import kind_of
 from brake_controller.distributors.aar import FreightCar, balance
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.ep_direct import PACE_BY_TIME, RELEASED, VENTS, EpDirect
@@ -47,7 +48,9 @@ def vented_of(values: Mapping[str, Any], one: DistributorParameters) -> Distribu
         rate = (one.full_pressure - RELEASED) / time
         return replace(one, vent_rate=rate, settling=max(one.settling, PACE_BY_TIME / time))
     if not isinstance(one, UicDistributor | FreightCar):
-        raise ValueError("vent_time must be of a built-in distributor; got one of your own. State it there.")
+        name = kind_of(one).name
+        words = f"vent_time must be of a built-in brake by compressed air; got distributor = {name}."
+        raise ValueError(f"{words} Remove it.")
     return replace(one, vent_choke=(emptied(one.cylinder_volume, _full(one)) / time) ** 0.5)
 
 

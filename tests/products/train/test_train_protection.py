@@ -457,6 +457,10 @@ def test_a_consist_with_protections_is_written_and_read_again(tmp_path: Path) ->
         ({"brake": "none", "protection": "built-in"}, "protection has no effect with brake = none"),
         ({"protection": "builtin"}, "protection must be one of none, built-in, dump-valve or the file of a controller"),
         ({"brake": "none", "vent_time": 1.0}, "vent_time has no effect with brake = none"),
+        (
+            {"distributor": "vacuum", "vent_time": 1.0},
+            "vent_time must be of a built-in brake by compressed air; got distributor = vacuum",
+        ),
         ({"rotating": 0, "protection": "built-in"}, "rotating must be above 0 % on a vehicle with a protection"),
     ],
 )
