@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from products.train.driver_forces import SPEEDS, line_force, moved_mass, resistance_of, train_forces
 from products.train.train import Train
 
-#: Times of the estimate of the balancing force, and of a correction of speed by the fast brakes and by air [s].
-#: Times by which an application and a release are made ahead [s].
-#: Time between two reductions [s], beside 1 s for each SECOND_OVER m of train.
+#: Times [s]: of the estimate of the balancing force, of a correction of speed by the fast brakes and by air, by which
+#: an application and a release are made ahead, and between two reductions beside 1 s for each SECOND_OVER m of train.
 FEELS, FAST, SLOW, LEADS, RELEASES, WAITS, SECOND_OVER = 6.0, 8.0, 40.0, 10.0, 6.0, 12.0, 100.0
 #: Speed above the set one at which air is applied, and below it at which it is released [m/s].
 ABOVE, BELOW = 0.2, 1.0
