@@ -172,15 +172,17 @@ static long long int numbers_of(const detailed *one) {
 }
 
 long long int detail_numbers(const train *self) {
-    long long int count = self->detail != NULL;
+    long long int count = self->detail ? 2 : 0;
     for (long long int n = 0; self->detail && n < self->detail->count; ++n)
         count += 1 + 2 * DETAIL_WHEELSETS + numbers_of(&self->detail->of[n]);
     return count;
 }
 
 void detail_save(const train *self, double *numbers) {
-    if (self->detail) *numbers++ = self->detail->clock;
-    for (long long int n = 0; self->detail && n < self->detail->count; ++n) {
+    if (!self->detail) return;
+    *numbers++ = self->detail->clock;
+    *numbers++ = self->detail->began;
+    for (long long int n = 0; n < self->detail->count; ++n) {
         const detailed *one = &self->detail->of[n];
         *numbers++ = one->origin;
         memcpy(numbers, one->brake, sizeof one->brake);
@@ -192,8 +194,10 @@ void detail_save(const train *self, double *numbers) {
 }
 
 void detail_load(train *self, const double *numbers) {
-    if (self->detail) self->detail->clock = *numbers++;
-    for (long long int n = 0; self->detail && n < self->detail->count; ++n) {
+    if (!self->detail) return;
+    self->detail->clock = *numbers++;
+    self->detail->began = *numbers++ != 0.0;
+    for (long long int n = 0; n < self->detail->count; ++n) {
         detailed *one = &self->detail->of[n];
         one->origin = *numbers++;
         memcpy(one->brake, numbers, sizeof one->brake);

@@ -69,6 +69,7 @@ void arrays_free(arrays_object *self) {
     train_free(self->own);
     details_free(self->details);
     free(self->values);
+    free(self->states);
     free(self);
 }
 
