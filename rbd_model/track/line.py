@@ -354,8 +354,10 @@ class Line:
 
     @property
     def text(self) -> str:
-        """Content of that file."""
-        return "\n".join(self.lines_of([name for name in NAMES if name in self.rows])) + "\n"
+        """Content of that file, with each column that it must have."""
+        level = {column.name: np.zeros(self.rows["distance"].size) for column in LINE.columns if column.required}
+        whole = Line.of_any_size(level | self.rows)
+        return "\n".join(whole.lines_of([name for name in NAMES if name in whole.rows])) + "\n"
 
     def lines_of(self, names: Sequence[str]) -> list[str]:
         """Return the lines of that file with only these columns.
