@@ -17,7 +17,8 @@ from fmu_src.step_fmu_in_c import step_in_c
 from fmu_src.system import Model, System, Variable, model_of_choices
 from products.braking_curves.fmu import curves_in_c
 from products.protection.sensor_fmu import sensor_in_c
-from products.train.consist import block_train
+from products.train.consist import Consist, block_train
+from products.train.consist_file import consist_of
 from products.train.coupler_fmu import coupler_in_c
 from products.train.driver_fmu import driver_in_c
 from products.train.fmu import train_in_c
@@ -109,9 +110,19 @@ def _gradients(folder: Path) -> list[str]:
     return []
 
 
-def _train(folder: Path) -> list[str]:
-    np.asarray(numbers_of(block_train(2), Settings(cells=0.5), None), "<f8").tofile(folder / "train.bin")
+def _train(folder: Path, consist: Consist | None = None, cells: float = 0.5) -> list[str]:
+    numbers = numbers_of(consist or block_train(2), Settings(cells=cells), None)
+    np.asarray(numbers, "<f8").tofile(folder / "train.bin")
     return []
+
+
+def _equipped_train(folder: Path) -> list[str]:
+    """Write a train with a cab, motors, electric and parking brakes, wheel-slide protection, a coupler that breaks."""
+    slides = {"kind": "coach", "protection": "built-in", "friction_ratio": 0.4, "friction_decay": 0.6}
+    head = {"kind": "locomotive", "direct_pressure": 3.8, "main_reservoir": 100, "vigilance_time": 1}
+    head |= {"traction_table": "0:200 100:50", "dynamic_force": 80, "blending": "interlock", "parking_force": 20}
+    last = slides | {"brake": "ep-direct", "direct_pressure": 2, "disc_mass": 100, "discs": 8}
+    return _train(folder, consist_of([head, slides | {"coupler_strength": 50}, last]), 1.0)
 
 
 def _controller(folder: Path) -> Mapping[str, str]:
@@ -197,6 +208,14 @@ OBJECTS = {
         _train,
         "driver_position=0:4 driver_step=0:1 pull=-1e4:1e4 friction=0.1:0.3 protection=0:2 coupling_closed=0:1 "
         "start_speed=-1:20 start_pipe_pressure=4e5:5e5 end_force=-1e3:1e3",
+        reads_files=True,
+    ),
+    "equipped train": Behind(
+        lambda _: all_sources(train_in_c()),
+        _equipped_train,
+        "driver_position=0:6 driver_step=0:1 pull=-1e4:1e4 friction=0.02:0.3 coupling_closed=0:1 direct_brake=0:1 "
+        "bail_off=0:1 penalty=0:2 vigilance=0:1 dynamic_brake=0:1 traction=0:1 parking_brake=0:1 start_speed=-1:20 "
+        "start_pipe_pressure=4e5:5e5 end_force=-1e5:1e5",
         reads_files=True,
     ),
     "sensor": Behind(
