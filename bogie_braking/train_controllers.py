@@ -12,12 +12,12 @@ from bogie_braking.controllers.controller_loader import KINDS, controller_of, fo
 from bogie_braking.protection import maker_of
 from bogie_braking.provenance import absent, encoded
 from brake_controller.distributors.piped import Piped
-from brake_controller.vehicle_protection import BUILT_IN, FIRST_OWN, NO_PROTECTION, VOLUME
+from brake_controller.vehicle_protection import BUILT_IN, FIRST_OWN, NO_PROTECTION
 from products.controller_kinds import Form
 from products.protection.own_process import Apart, NoControllerError
 from products.train.consist import Consist, TrainVehicle
 from products.train.own_controllers import WHEELSETS
-from products.train.slide_columns import NOTHING, OURS
+from products.train.slide_columns import NOTHING, OURS, counted_volume
 
 #: A controller: its name or file, or a class or another function that returns a new one.
 Controller = str | Path | Callable[[], Any] | None
@@ -73,16 +73,20 @@ def _by_vehicle(given: Any, vehicles: list[TrainVehicle]) -> dict[int, Any]:
 
 
 def _protected(train_vehicle: TrainVehicle, controller: Any, place: int) -> TrainVehicle:
-    """Return a vehicle with a controller. Raises ValueError without a brake, TypeError for another form."""
+    """Return a vehicle with a controller. Raises ValueError without brake or rotating mass, TypeError."""
     if controller is None:
         return replace(train_vehicle, protection=replace(train_vehicle.protection, controller=0.0), controller=NOTHING)
     if isinstance(train_vehicle.distributor, Piped):
         raise ValueError(f"The vehicle of a protection must have a brake; vehicle {place} has none. Leave it out.")
+    if train_vehicle.rotating_share == 0.0:
+        raise ValueError(
+            f"rotating must be above 0 % on a vehicle with a protection; got 0 of vehicle {place}. Raise it."
+        )
     if not isinstance(controller, str | Path):
         maker_of(controller)
     usual = train_vehicle.protection
     if not usual.controller:
-        usual = replace(NO_PROTECTION, cylinders=getattr(train_vehicle.distributor, "cylinder_volume", VOLUME))
+        usual = replace(NO_PROTECTION, cylinders=counted_volume(train_vehicle.distributor))
     name = str(controller) if isinstance(controller, str | Path) else getattr(controller, "__name__", "own")
     return replace(
         train_vehicle,

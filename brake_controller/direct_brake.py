@@ -20,6 +20,7 @@ from brake_controller.air import (
 from brake_controller.distributors.uic import RELAY, emptied, filled, flow_of_a_metre
 from brake_controller.main_reservoir import MainReservoir
 from brake_controller.vehicle_brake import named
+from brake_controller.vehicle_protection import VOLUME
 from fmu_src.chain import function_of
 from fmu_src.symbols import ca
 from fmu_src.system import ParameterSet, quantity
@@ -27,8 +28,6 @@ from fmu_src.system import ParameterSet, quantity
 #: Times of filling to 95 % and of release to 0.4 bar [s]. Assumed: Open Rails' default of 12.5 psi/s gives 3.9 and 3.6
 #: s with 3.5 bar.
 FILLING, RELEASE = 4.0, 4.0
-#: Volume of the cylinders where the distributor states none [m3]: that of a UIC distributor (`distributors/uic.py`).
-VOLUME = 10.3e-3
 #: Choke that wheel-slide protection opens [m], as that of UIC distributors. Assumed.
 VENT_CHOKE = 10e-3
 #: Largest supply for which steps are stable [Pa, absolute].

@@ -9,13 +9,13 @@ from brake_controller.direct_brake import (
     FILLING,
     NO_DIRECT_BRAKE,
     RELEASE,
-    VOLUME,
     DirectBrake,
     times_of,
     with_direct_times,
 )
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.main_reservoir import CUT_IN, CUT_OUT, FREE_AIR, NO_MAIN_RESERVOIR, MainReservoir
+from brake_controller.vehicle_protection import VOLUME
 from brake_controller.vigilance import NO_VIGILANCE, PENALTIES, WARNING, Vigilance
 from products.train.consist_columns import CAB, si
 

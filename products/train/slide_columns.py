@@ -11,6 +11,7 @@ from brake_controller.distributors.aar import FreightCar, balance
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.ep_direct import PACE_BY_TIME, RELEASED, VENTS, EpDirect
 from brake_controller.distributors.uic import UicDistributor, emptied, freight
+from brake_controller.distributors.vacuum import VacuumBrake
 from brake_controller.vehicle_protection import BUILT_IN, FIRST_OWN, NO_PROTECTION, VOLUME, VehicleProtection
 from products.controller_kinds import PUBLIC
 from products.train.consist_columns import si
@@ -35,8 +36,13 @@ def protection_of(values: Mapping[str, Any], parameters: DistributorParameters) 
         teeth=values.get("encoder_teeth", usual.teeth),
         period=si(values, "sample_time", usual.period),
         valve_time=si(values, "valve_time", usual.valve_time),
-        cylinders=getattr(parameters, "cylinder_volume", VOLUME),
+        cylinders=counted_volume(parameters),
     )
+
+
+def counted_volume(parameters: DistributorParameters) -> float:
+    """Return the volume of the cylinders whose air is counted [m3]: 0 of vacuum brakes, which press by less air."""
+    return 0.0 if isinstance(parameters, VacuumBrake) else getattr(parameters, "cylinder_volume", VOLUME)
 
 
 def vented_of(values: Mapping[str, Any], one: DistributorParameters) -> DistributorParameters:

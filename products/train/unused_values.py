@@ -11,6 +11,8 @@ from products.train.consist import Consist, TrainVehicle
 
 #: Diameter of a pipe that is not stated [m], and volume of a reservoir [m3].
 PIPE, AUXILIARY = 0.03175, freight().auxiliary_volume
+#: Remedies: brake model, and cells a vehicle of values that depend on them.
+WHOLE, NEEDED_CELLS = "brake_model = whole", {"at": "two cells", "coupler_strength": "one cell"}
 #: Place of a distributor that is not stated, as a share of the vehicle's length.
 MIDDLE = 0.5
 #: Area of a driver's valve's exhaust that is not stated [m2].
@@ -25,7 +27,7 @@ def without_effect(consist: Consist, brake_model: str, cells: float) -> str:
     found += ((number, name) for number, vehicle in vehicles if (name := _unused(vehicle, brake_model, cells)))
     for number, name in found[:1]:
         model = f"brake_model = {brake_model} with {cells:g} cells a vehicle"
-        take = "two cells" if name == "at" else "brake_model = whole"
+        take = NEEDED_CELLS.get(name, WHOLE) if brake_model != "delay" else WHOLE
         return f"{name} of vehicle {number} has no effect with {model}. Take {take}, or leave it out."
     return ""
 

@@ -16,8 +16,12 @@ from products.train.notches import check_handle
 
 #: Columns of a driver's valve of a vacuum.
 OF_VALVE = ("exhauster", "ejector")
-#: Pressures of an air pipe below which motors or track brakes act otherwise: columns that a vacuum excludes.
-OF_AIR = ("traction_cut_out", "track_brake_pressure")
+#: Columns that a vacuum excludes, and remedies: pressures of an air pipe, and air that supplies a driver's valve.
+OF_AIR = {
+    "traction_cut_out": "Use the inputs",
+    "track_brake_pressure": "Use the inputs",
+    "main_reservoir": "Add direct_pressure",
+}
 
 
 def vacuum_of(vehicles: Sequence[TrainVehicle]) -> float:
@@ -63,11 +67,13 @@ def with_vacuum(vehicles: Sequence[TrainVehicle], rows: Sequence[Mapping[str, An
     Raises ValueError for a mixed train, and for values without an effect.
     """
     vacuum = vacuum_of(vehicles)
-    without = OF_AIR if vacuum else OF_VALVE
+    without = OF_AIR if vacuum else dict.fromkeys(OF_VALVE, "Add it")
+    where = "with a vacuum in the pipe" if vacuum else "without distributor = vacuum"
     for number, values in enumerate(rows, 1):
-        for column in (one for one in without if values.get(one)):
-            text = "with a vacuum in the pipe. Use the inputs" if vacuum else "without distributor = vacuum. Add it"
-            raise ValueError(f"{column} of vehicle {number} has no effect {text}, or leave {column} out.")
+        used = {"main_reservoir"} if "direct_pressure" in values else set[str]()
+        for column in (one for one in without if values.get(one) and one not in used):
+            text = f"{where}. {without[column]}, or leave {column} out."
+            raise ValueError(f"{column} of vehicle {number} has no effect {text}")
     found = list(vehicles)
     if vacuum:
         found = [_evacuated(vehicle, values, vacuum) for vehicle, values in zip(vehicles, rows, strict=True)]

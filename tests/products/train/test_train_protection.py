@@ -486,6 +486,10 @@ def test_a_protection_that_is_stated_twice_or_cannot_be_is_refused(tmp_path: Pat
         sliding({3: "built-in"})
     with pytest.raises(ValueError, match="The vehicle of a protection must have a brake; vehicle 1 has none"):
         bb.train([{"kind": "locomotive"}, {"kind": "coach", "brake": "none"}], protection={1: "built-in"})
+    with pytest.raises(
+        ValueError, match="rotating must be above 0 % on a vehicle with a protection; got 0 of vehicle 1"
+    ):
+        bb.train([{"kind": "locomotive"}, {"kind": "coach", "rotating": 0}], protection={1: "built-in"})
     with pytest.raises(TypeError, match="The controller must be the class Own; got an object of it"):
         sliding(Own())
     with pytest.raises(ValueError, match=r"A controller must be FILE\.py:CLASS, a shared library, a C file"):

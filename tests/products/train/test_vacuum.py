@@ -355,6 +355,10 @@ def test_a_consist_with_a_vacuum_is_written_as_it_was_stated() -> None:
             "traction_cut_out of vehicle 1 has no effect with a vacuum",
         ),
         (
+            [{"kind": "locomotive", "brake": "none", "main_reservoir": 800}, COACH],
+            "main_reservoir of vehicle 1 has no effect with a vacuum in the pipe. Add direct_pressure",
+        ),
+        (
             [{"kind": "locomotive"}, {"kind": "coach", "direct_admission": "yes"}],
             "direct_admission must be of the distrib",
         ),
