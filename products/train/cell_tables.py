@@ -81,5 +81,7 @@ def points_in(name: str, text: str) -> tuple[list[float], list[float]]:
 
 
 def text_of(places: Iterable[float], values: Iterable[float]) -> str:
-    """Return the text of a table, with twelve digits."""
-    return " ".join(f"{x:.12g}:{y:.12g}" for x, y in zip(places, values, strict=True))
+    """Return the text of a table, with twelve digits of its largest value: sums of slopes miss 0 by their rounding."""
+    pairs = list(zip(places, values, strict=True))
+    tiny = 1e-12 * max(abs(y) for _, y in pairs)
+    return " ".join(f"{x:.12g}:{y if abs(y) > tiny else 0.0:.12g}" for x, y in pairs)

@@ -250,9 +250,10 @@ def test_a_consist_with_hot_wheels_is_written_and_read(tmp_path: Path) -> None:
         {"kind": "wagon", "wheel_mass": 300.0, "fade_table": "40:0.9 300:1.1 500:0.6"} | more,
         {"kind": "coach", "disc_mass": 90.0, "discs": 12, "friction": "pads", "block_mass": 6.0, "thickness": 20.0},
         {"kind": "wagon", "wheel_mass": 300.0, "friction": "cast-iron-p10", "block_mass": 28.0},
+        {"kind": "wagon", "wheel_mass": 300.0, "fade_table": "30:1.2 60:0.3 90:2 400:0"},
     ]
     first = consist_of(rows)
-    assert [one.heat.heat_share for one in first.vehicles] == [0.75, 0.9, 0.83, 0.95, 0.75]
+    assert [one.heat.heat_share for one in first.vehicles] == [0.75, 0.9, 0.83, 0.95, 0.75, 0.9]
     for name in ("own.toml", "own.csv"):
         write_consist(first, tmp_path / name)
         for one, again in zip(first.vehicles, read_consist(tmp_path / name).vehicles, strict=True):
