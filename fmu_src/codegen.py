@@ -59,7 +59,7 @@ KERNEL_SOURCES = (
     "saved.c",
     "instance.c",
 )
-FACE_SOURCES = (KERNEL, START_VALUES, *FACES)
+FACE_SOURCES = (START_VALUES, KERNEL, *FACES)
 STUDY_SOURCES = ("study.c", "other_methods.c")
 #: Sources of runs in lanes, with the number of lanes as a macro.
 BATCH_SOURCES = ("batch_lanes.c", "batch.c")
