@@ -16,7 +16,6 @@ from brake_controller.vehicle_protection import BUILT_IN, FIRST_OWN, NO_PROTECTI
 from products.controller_kinds import Form
 from products.protection.own_process import Apart, NoControllerError
 from products.train.consist import Consist, TrainVehicle
-from products.train.own_controllers import WHEELSETS
 from products.train.slide_columns import NOTHING, OURS, counted_volume
 
 #: A controller: its name or file, or a class or another function that returns a new one.
@@ -39,9 +38,9 @@ def with_controllers(consist: Consist, given: Any) -> tuple[Consist, dict[int, F
     for vehicle, one in enumerate(vehicles):
         if one.protection.controller >= FIRST_OWN:
             controller = asked.get(vehicle, one.controller)
-            key = controller, one.protection.period
+            key = controller, one.sensors, one.protection.period
             if key not in made:
-                made[key] = _loaded(controller, one.protection.period)
+                made[key] = _loaded(*key)
             forms[vehicle] = made[key]
     return replace(consist, vehicles=tuple(vehicles)), forms
 
@@ -95,14 +94,14 @@ def _protected(train_vehicle: TrainVehicle, controller: Any, place: int) -> Trai
     )
 
 
-def _loaded(controller: Any, period: float) -> Form:
+def _loaded(controller: Any, sensors: int, period: float) -> Form:
     """Return the form of a controller. Raises ValueError."""
     if not isinstance(controller, str | Path):
         return form_of(controller)
-    name, found = controller_of(str(controller), WHEELSETS)
+    name, found = controller_of(str(controller), sensors)
     if not isinstance(found, Apart):
         return found
     try:
-        return found.made(WHEELSETS, period)
+        return found.made(sensors, period)
     except NoControllerError as error:
         raise ValueError(f"The controller {name} cannot be used: {error}. Correct {controller}.") from None

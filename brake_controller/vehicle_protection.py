@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from brake_controller.magnet_valves import common_valves
+from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.sensors import TEETH
 from fmu_src.system import ParameterSet, choice, quantity
 
@@ -28,6 +29,7 @@ class VehicleProtection(ParameterSet):
     period: float = quantity("s", "Time between two steps of the controller", 1e-3, 1.0)
     valve_time: float = quantity("s", "Time until 95 % of a magnet valve's area is open or closed", 0.0, 10.0)
     cylinders: float = quantity("m3", "Volume of the cylinders whose air is counted", 0.0)
+    wheelsets: float = quantity("1", "Wheelsets with a sensor, a cylinder and valves of their own", 1.0, MOST_WHEELSETS)
 
 
 #: A vehicle without wheel-slide protection, with the numbers that are not stated.
@@ -38,4 +40,5 @@ NO_PROTECTION = VehicleProtection(
     period=PERIOD,
     valve_time=common_valves().valve_opening_time,
     cylinders=VOLUME,
+    wheelsets=1.0,
 )

@@ -133,6 +133,23 @@ class TrainVehicle:
         return (1 + self.rotating_share) * self.mass
 
     @property
+    def sensors(self) -> int:
+        """Number of wheel speeds of its wheel-slide controller: a vehicle in detail has one for each wheelset."""
+        return len(self.detail.vehicle.wheelsets) if self.detail else 1
+
+    @property
+    def sensed(self) -> VehicleProtection:
+        """Its protection; that of a vehicle in detail has its wheelsets and wheels. Raises ValueError."""
+        if self.detail is None or not self.protection.controller:
+            return self.protection
+        if self.direct.direct_pressure:
+            raise ValueError(
+                "direct_pressure must be left out with detail and protection: valves of wheelsets do not act on direct "
+                "brakes. Leave one of them out."
+            )
+        return replace(self.protection, wheelsets=float(self.sensors), wheel_radius=self.detail.radius)
+
+    @property
     def pipe_length(self) -> float:
         """Length of its pipe with both hoses [m]."""
         return self.length + 2 * HOSE

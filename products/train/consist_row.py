@@ -17,7 +17,7 @@ from products.train.cab_columns import direct_brake_of, main_reservoir_of, row_o
 from products.train.consist import EMPTY, KINDS, TrainVehicle, braked_with
 from products.train.consist_columns import COUPLING, FORCE, si, values_of
 from products.train.consist_rules import check_rules
-from products.train.detail_columns import detail_of, row_of_detail
+from products.train.detail_columns import DETERMINED, detail_of, row_of_detail
 from products.train.drive_columns import electric_of, row_of_electric, row_of_traction, traction_of
 from products.train.heat_columns import heat_of, row_of_heat
 from products.train.row_statements import FILLED_AS, cut_out, load_of, resolved
@@ -90,7 +90,7 @@ def row_of(train_vehicle: TrainVehicle) -> Row:
     if train_vehicle.branch:
         row["branch"] = 1e3 * train_vehicle.branch
     row |= _row_of_coupler(train_vehicle.coupler) | _row_of_valve(train_vehicle)
-    own = train_vehicle.detail.columns() if train_vehicle.detail else {}
+    own = {*DETERMINED, *train_vehicle.detail.columns()} if train_vehicle.detail else ()
     return {name: value for name, value in row.items() if name not in own} | row_of_detail(train_vehicle.detail)
 
 

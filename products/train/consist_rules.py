@@ -274,11 +274,6 @@ RULES: tuple[Rule, ...] = (
     ),
     needs([*DETAIL], ["detail"]),
     excludes(
-        ["protection"],
-        ["detail"],
-        "{name} must be left out with detail: a controller of a train has one wheel speed. Leave it out.",
-    ),
-    excludes(
         [*TRACK],
         ["detail"],
         "{name} must be left out with detail: the forces of track brakes do not act on such a vehicle. Leave it out.",

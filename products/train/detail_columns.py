@@ -15,7 +15,7 @@ from rbd_model.train.vehicle import GRAVITY
 #: Built-in vehicles with couplers, by the names of their FMUs.
 BUILT_IN = ("vehicle", "coal-wagon")
 #: Columns that a vehicle in detail determines.
-DETERMINED = ("mass", "load", "tare", "rotating", "length")
+DETERMINED = ("mass", "load", "tare", "rotating", "length", "wheel_diameter")
 #: Running resistance a, b, c of a vehicle's parameters, W. J. Davis (1926).
 DAVIS = ("davis_constant", "davis_linear", "davis_quadratic")
 

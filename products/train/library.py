@@ -146,7 +146,7 @@ def _functions(kinds: tuple[Distributor, ...]) -> ctypes.CDLL:
     signatures: dict[str, tuple[Any, list[Any]]] = {
         "pipe_create": (pointer, [count, pointer, pointer]),
         "pipe_free": (None, [pointer]),
-        "pipe_vehicles": (ctypes.c_int, [pointer, count, pointer, pointer, pointer, ctypes.c_int, number]),
+        "pipe_vehicles": (ctypes.c_int, [pointer, count, *[pointer] * 4, ctypes.c_int, number]),
         "pipe_charge": (None, [pointer, number, number, number]),
         "pipe_vehicle_states": (None, [pointer, ctypes.c_int, pointer]),
         "pipe_end": (None, [pointer, ctypes.c_int, ctypes.POINTER(OutsideInC)]),

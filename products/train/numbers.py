@@ -170,7 +170,7 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
         "point": {name: rows.get(name, level) for name in ("distance", "gradient", "curvature")}
         | {"friction": np.mean([rows.get(name, level + 1.0) for name in FRICTIONS], axis=0)},
         "slide": [
-            one.protection.values() | {"controller": number}
+            one.sensed.values() | {"controller": number}
             for one, number in zip(vehicles, controllers_of(consist), strict=True)
         ],
     }

@@ -12,8 +12,6 @@ from products.train.consist import Consist
 
 #: A command that no controller may give: its brake stays applied from then on.
 INVALID = -1
-#: Wheelsets of a vehicle as its controller has them: a train has one wheel speed for each vehicle.
-WHEELSETS = 1
 
 
 class CalledController:
@@ -27,11 +25,13 @@ class CalledController:
         self.failure = ""
         self.stop: BaseException | None = None
         self.own: Supervised | None = None
+        self.wheelsets = 1
         self.functions = START(self.start), STEP(self.step)
 
     def start(self, memory: int, wheelsets: int, period: float) -> None:
         """Make the controller of a run."""
         del memory
+        self.wheelsets = wheelsets
         self.own, self.failure, self.stop = None, "", None
         name = getattr(self.form, "__name__", type(self.form).__name__)
         try:
@@ -47,7 +47,8 @@ class CalledController:
         valve[0] = INVALID
         try:
             if self.own:
-                valve[0] = self.own.step(time, wheel_speed[:WHEELSETS])[0]
+                for place, command in enumerate(self.own.step(time, wheel_speed[: self.wheelsets])):
+                    valve[place] = command
         except ControllerError as error:
             self.failure = str(error)
         except BaseException as error:
@@ -67,7 +68,7 @@ class OwnControllers:
         self._kept = list(forms.values())  # their libraries
         for vehicle, form in forms.items():
             if isinstance(form, InC):
-                functions = form.functions(WHEELSETS)
+                functions = form.functions(consist.vehicles[vehicle].sensors)
                 start, step, size = functions.start, functions.step, functions.size
             else:
                 start, step = (ctypes.cast(one, ctypes.c_void_p) for one in self.called[vehicle].functions)

@@ -175,7 +175,9 @@ class Pipe(PipeAir):
         rows = (ctypes.c_void_p * len(known))(*(one.ctypes.data for one in given))
         pace = pace_of(distributors, cells, self.volume, "whole")
         own, whole = np.array(self.kinds, np.int64), BRAKE_MODELS["whole"]
-        if not self._call.pipe_vehicles(self.own, len(cells), own.ctypes.data, places.ctypes.data, rows, whole, pace):
+        if not self._call.pipe_vehicles(
+            self.own, len(cells), own.ctypes.data, places.ctypes.data, None, rows, whole, pace
+        ):
             raise MemoryError(f"There is no memory for {len(cells)} vehicles; take fewer.")
         self._call.pipe_charge(self.own, pressure, AMBIENT, AMBIENT)
 

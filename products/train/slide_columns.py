@@ -37,6 +37,7 @@ def protection_of(values: Mapping[str, Any], parameters: DistributorParameters) 
         period=si(values, "sample_time", usual.period),
         valve_time=si(values, "valve_time", usual.valve_time),
         cylinders=counted_volume(parameters),
+        wheelsets=usual.wheelsets,
     )
 
 

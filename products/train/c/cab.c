@@ -160,7 +160,9 @@ void cab_bail_off(train *self) {
         const int has = own->full[i] > 0.0 || has_interlock(self->electric, i, self->stride);
         const int bailed = has && (self->input[IN_BAIL_OFF][i] == BAIL_OFF_ON || acts(self, i));
         protection_shares(self, i, &own->held[i], &own->vented[i]);
-        if (bailed) own->held[i] = own->vented[i] = 1.0;
+        if (!bailed) continue;
+        own->held[i] = own->vented[i] = 1.0;
+        pipe_vent_parts(self->air, i);
     }
     pipe_dump(self->air, own->held, own->vented);
 }

@@ -70,7 +70,7 @@ int train_input_wrong(const train *self, long long int *element) {
             const int by_wire = held && self->valve[*element * VALVE_ROWS + VALVE_WIRED] > 0.0;
             const int no_face = row == IN_HOSE_STATE && value != HOSE_STATE_WHOLE && self->face[*element] <= 0;
             const int commands = row == IN_PROTECTION || row == IN_EXTERNAL_VEHICLE; /* 0: it does not */
-            const int no_hand = commands && value != 0.0 && protection_has(self, *element);
+            const int no_hand = commands && value != 0.0 && protection_wheelsets(self, *element);
             const int moved = row == IN_EXTERNAL_VEHICLE && value != 0.0 && detail_moves(self, *element);
             if (!within(value, &INPUTS[row], INPUTS[row].most) || no_face || no_hand || moved || by_wire) return row;
         }

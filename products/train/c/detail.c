@@ -47,6 +47,11 @@ static double at_couplers(const detailed *one, int along, int pitching) {
     return got(one, along) + (pitching >= 0 ? one->variable.height * got(one, pitching) : 0.0);
 }
 
+double detail_rim(const train *self, long long int vehicle, int wheelset) {
+    const detailed *one = self->detail && self->detail->began ? detailed_at(self, vehicle) : NULL;
+    return one ? one->turning[wheelset] * one->variable.radius : motion_wheel(self->moves)[vehicle];
+}
+
 static double rim_speed(detailed *one) {
     double sum = 0.0;
     for (int n = 0; n < one->variable.wheelsets; ++n) sum += one->turning[n] = got(one, one->variable.turning[n]);
@@ -91,6 +96,8 @@ static void follow(void *owner, double step) {
 int train_detail(train *self, long long int vehicle, struct kernel *machine, const detail_functions *call,
                  const detail_variables *variable) {
     if (vehicle < 0 || vehicle >= self->vehicles || detail_moves(self, vehicle)) return 0;
+    const int sensors = protection_wheelsets(self, vehicle);
+    if (sensors && sensors != variable->wheelsets) return 0;
     details *detail = self->detail ? self->detail : (details *)calloc(1, sizeof *detail);
     if (!detail) return 0;
     self->detail = detail;
@@ -140,11 +147,12 @@ void detail_free(details *self) {
     free(self);
 }
 
-double detail_step(const train *self, double left, int *last) {
+double detail_rounding(const train *self) { return self->detail ? 2.0 * SAME * self->detail->step : 0.0; }
+
+double detail_step(const train *self, double left) {
     details *detail = self->detail;
     const double next = floor(detail->clock / detail->step + SAME) + 1.0, due = next * detail->step - detail->clock;
-    *last = left < due + SAME * detail->step;
-    const int on_grid = !*last || left > due - SAME * detail->step;
+    const int on_grid = left > due - SAME * detail->step;
     const double step = !on_grid ? left : fabs(due - detail->step) < SAME * detail->step ? detail->step : due;
     detail->clock = on_grid ? next * detail->step : detail->clock + left;
     return step;

@@ -33,8 +33,8 @@ typedef struct {
     double radius, height; /* of a wheel; of the couplers above the centre of that body [m] */
 } detail_variables;
 
-/* Lets a kernel move a vehicle of a train; 0 if out of memory, or if the vehicle does not exist or has a kernel. The kernel is
- * the caller's, and must live as long as the train. */
+/* Lets a kernel move a vehicle of a train; 0 if out of memory, or if the vehicle does not exist, has a kernel, or a
+ * protection for another number of wheelsets. The kernel is the caller's, and must live as long as the train. */
 TRAIN_SHOWN int train_detail(train *self, long long int vehicle, struct kernel *machine, const detail_functions *call,
                              const detail_variables *variable);
 /* Begins with initialised kernels, after train_begin. */

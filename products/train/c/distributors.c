@@ -22,8 +22,8 @@ void distributors_free(pipe *self) {
     memset(self->own, 0, sizeof self->own);
 }
 
-/* Allocates memory for `count` distributors; returns 0 if out of memory. */
-static int lay(distributors *self, long long int count) {
+/* Allocates memory for this many rows; returns 0 if out of memory. */
+static int lay(distributors *self, long long int rows) {
     const int states = KIND[self->kind].states, given = KIND[self->kind].given;
     const rows_part parts[] = {{&self->state, states, 1e5},
                                {&self->before, states, 0.0},
@@ -34,11 +34,12 @@ static int lay(distributors *self, long long int count) {
                                {&self->command, COMMAND_ROWS, 0.0},
                                {&self->rate, states + ANSWER_ROWS, 0.0},
                                {&self->pressing, KIND[self->kind].presses, 1e5}};
-    self->stride = rows_stride(count);
+    self->stride = rows_stride(rows);
     self->memory = ROWS_LAY(parts, self->stride);
-    self->vehicle = (long long int *)malloc((size_t)(2 * count) * sizeof(long long int));
+    self->vehicle = (long long int *)malloc((size_t)(3 * rows) * sizeof(long long int));
     if (!self->memory || !self->vehicle) return 0;
-    self->cell = self->vehicle + count;
+    self->cell = self->vehicle + rows;
+    self->of = self->cell + rows;
     return 1;
 }
 
@@ -48,11 +49,31 @@ static void put_air(distributors *self) {
     for (int n = 0; n < PIPE_STATES; ++n) rows_fill(self->air + n * self->stride, self->stride, air[n]);
 }
 
-int pipe_vehicles(pipe *self, long long int count, const long long int *kind, const long long int *cell,
+static int parts_of(const double *parts, long long int vehicle) {
+    return parts && parts[vehicle] >= 2.0 ? (int)parts[vehicle] : 0;
+}
+
+/* Adds the parts of all vehicles' cylinders after the rows of the vehicles. */
+static void add_parts(distributors *self, const double *parts) {
+    self->rows = self->count;
+    for (long long int i = 0; i < self->count; ++i) {
+        self->of[i] = i;
+        for (int n = parts_of(parts, self->vehicle[i]); n > 0; --n) {
+            const long long int row = self->rows++;
+            self->vehicle[row] = self->vehicle[i];
+            self->cell[row] = self->cell[i];
+            self->of[row] = i;
+            for (int k = 0; k < KIND[self->kind].given; ++k)
+                self->given[row + k * self->stride] = self->given[i + k * self->stride];
+        }
+    }
+}
+
+int pipe_vehicles(pipe *self, long long int count, const long long int *kind, const long long int *cell, const double *parts,
                   const double *const given[KINDS], int brake_model, double pace) {
     distributors_free(self);
     long long int counts[KINDS] = {0};
-    for (long long int v = 0; v < count; ++v) ++counts[kind[v]];
+    for (long long int v = 0; v < count; ++v) counts[kind[v]] += 1 + parts_of(parts, v);
     for (int k = 0; k < KINDS; ++k) {
         distributors *one = &self->own[k];
         one->kind = k;
@@ -68,6 +89,7 @@ int pipe_vehicles(pipe *self, long long int count, const long long int *kind, co
     EACH_KIND(self, one) {
         put_air(one);
         rows_put(one->given, one->stride, given[one->kind], KIND[one->kind].given, one->count);
+        add_parts(one, parts);
     }
     self->brake_model = brake_model;
     self->pace = pace;
@@ -78,7 +100,7 @@ void pipe_charge(pipe *self, double charged, double around, double cylinder) {
     const double start[STARTS] = {[START_CHARGED] = charged, [START_AROUND] = around, [START_CYLINDER] = cylinder};
     EACH_KIND(self, one)
     for (int n = 0; n < KIND[one->kind].states; ++n)
-        for (long long int i = 0; i < one->count; ++i) one->state[i + n * one->stride] = start[KIND[one->kind].start[n]];
+        for (long long int i = 0; i < one->rows; ++i) one->state[i + n * one->stride] = start[KIND[one->kind].start[n]];
 }
 
 void pipe_protect(pipe *self, const double *protection) {
@@ -98,9 +120,25 @@ void pipe_dump(pipe *self, const double *held, const double *vented) {
     }
 }
 
+void pipe_dump_parts(pipe *self, long long int vehicle, const double *held, const double *vented) {
+    EACH_KIND(self, one)
+    for (long long int i = one->count, n = 0; i < one->rows; ++i)
+        if (one->vehicle[i] == vehicle) {
+            one->command[i + COMMAND_HELD * one->stride] = held[n];
+            one->command[i + COMMAND_VENTED * one->stride] = vented[n++];
+        }
+}
+
+void pipe_vent_parts(pipe *self, long long int vehicle) {
+    EACH_KIND(self, one)
+    for (long long int i = one->count; i < one->rows; ++i)
+        if (one->vehicle[i] == vehicle)
+            one->command[i + COMMAND_HELD * one->stride] = one->command[i + COMMAND_VENTED * one->stride] = 1.0;
+}
+
 void pipe_demand(pipe *self, const double *share, const double *ordered) {
     EACH_KIND(self, one)
-    for (long long int i = 0; i < one->count; ++i) {
+    for (long long int i = 0; i < one->rows; ++i) {
         one->command[i + COMMAND_DEMANDED * one->stride] = share[one->vehicle[i]];
         one->command[i + COMMAND_ORDERED * one->stride] = ordered[one->vehicle[i]];
     }
@@ -119,21 +157,21 @@ void pipe_vehicle_states(const pipe *self, int kind, double *state) {
 
 long long int distributors_numbers(const pipe *self) {
     long long int count = 0;
-    EACH_CONST(self, one) count += KIND[one->kind].states * one->count;
+    EACH_CONST(self, one) count += KIND[one->kind].states * one->rows;
     return count;
 }
 
 void distributors_save(const pipe *self, double *numbers) {
     EACH_CONST(self, one) {
-        pipe_vehicle_states(self, one->kind, numbers);
-        numbers += KIND[one->kind].states * one->count;
+        rows_get(numbers, one->state, one->stride, KIND[one->kind].states, one->rows);
+        numbers += KIND[one->kind].states * one->rows;
     }
 }
 
 void distributors_load(pipe *self, const double *numbers) {
     EACH_KIND(self, one) {
-        rows_put(one->state, one->stride, numbers, KIND[one->kind].states, one->count);
-        numbers += KIND[one->kind].states * one->count;
+        rows_put(one->state, one->stride, numbers, KIND[one->kind].states, one->rows);
+        numbers += KIND[one->kind].states * one->rows;
     }
 }
 
@@ -156,12 +194,37 @@ void pipe_pressures(const pipe *self, double *line, double *cylinder) {
     }
 }
 
-static void answer(distributors *self) { IN_LANES(distributors_answer); }
+void pipe_part_pressures(const pipe *self, long long int vehicle, double *pressure) {
+    EACH_CONST(self, one) {
+        const double *found = one->rows > one->count ? pressing(one) : NULL;
+        for (long long int i = one->count; i < one->rows; ++i)
+            if (one->vehicle[i] == vehicle) *pressure++ = found[i];
+    }
+}
+
+/* Gives a vehicle the mean rates of its parts, and its parts all of these except that of the cylinder. */
+static void share_parts(distributors *self) {
+    for (long long int first = self->count, end = first; first < self->rows; first = end) {
+        const long long int of = self->of[first];
+        while (end < self->rows && self->of[end] == of) ++end;
+        for (int n = 0; n < KIND[self->kind].states + ANSWER_ROWS; ++n) {
+            double *rate = self->rate + n * self->stride, sum = 0.0;
+            for (long long int i = first; i < end; ++i) sum += rate[i];
+            rate[of] = sum / (double)(end - first);
+            for (long long int i = first; i < end && n != KIND[self->kind].cylinder; ++i) rate[i] = rate[of];
+        }
+    }
+}
+
+static void answer(distributors *self) {
+    IN_LANES(distributors_answer);
+    share_parts(self);
+}
 
 void distributors_act(pipe *self, pipe_passed *passed) {
     const long long int stride = self->stride;
     EACH_KIND(self, one) {
-        for (long long int i = 0; i < one->count; ++i)
+        for (long long int i = 0; i < one->rows; ++i)
             for (int n = 0; n < PIPE_STATES; ++n) one->air[i + n * one->stride] = self->state[one->cell[i] + n * stride];
         answer(one);
         if (self->brake_model == BRAKE_MODEL_DELAY) continue;
@@ -182,7 +245,7 @@ void distributors_go_on(pipe *self, double share, double step) {
     EACH_KIND(self, one)
     for (int n = 0; n < KIND[one->kind].states; ++n) {
         const long long int at = n * one->stride;
-        pipe_mix(one->state + at, one->before + at, one->rate + at, one->count, share, step);
+        pipe_mix(one->state + at, one->before + at, one->rate + at, one->rows, share, step);
     }
 }
 
@@ -198,7 +261,7 @@ bool distributors_sound(const pipe *self) {
     EACH_CONST(self, one)
     for (int n = 0; n < KIND[one->kind].states; ++n) {
         const double *state = one->state + n * one->stride;
-        for (long long int i = 0; i < one->count; ++i)
+        for (long long int i = 0; i < one->rows; ++i)
             if (!(state[i] > 0.0 && isfinite(state[i]))) return false;
     }
     return true;

@@ -49,6 +49,13 @@ void extra_park(train *self, double step) {
     rows_copy(run, extra->applied + stride, count);
 }
 
+double extra_parked(const train *self, long long int i, double air) {
+    const extra_brakes *extra = self->extra;
+    if (!extra || !extra->parks) return air;
+    extra_park_at_1(&air, extra->screw + i, extra->parking + i, extra->applied + i, self->stride);
+    return extra->applied[i];
+}
+
 void extra_track(train *self, double step) {
     const extra_brakes *extra = self->extra;
     if (!extra || !extra->tracks) return;

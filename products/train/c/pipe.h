@@ -32,16 +32,25 @@ typedef struct pipe pipe;
 /* state: PIPE_STATES rows of all cells; constants: CELL_ROWS rows; both are copied. Returns NULL if out of memory. */
 PIPE_SHOWN pipe *pipe_create(long long int cells, const double *state, const double *constants);
 PIPE_SHOWN void pipe_free(pipe *self);
-/* Connects vehicles with distributors of these kinds to these cells. given: for each kind, rows of parameters of its vehicles;
- * all is copied. brake_model: brake model. pace: fastest decay rate of their states [1/s]. Returns 0 if out of memory. */
+/* Connects vehicles with distributors of these kinds to these cells; all numbers are copied. parts: number of equal parts of
+ * each vehicle's cylinder. It is not divided below 2, or with NULL. given: rows of parameters of the vehicles of each kind. pace:
+ * fastest decay rate of their states [1/s]. Returns 0 if out of memory.
+ *
+ * A part has its share of the cylinder's volume and chokes, and magnet valves of its own. Its pressure changes at the rate that
+ * the whole cylinder would have at this pressure. All other states of the distributor, and its flows, have the mean rates of the
+ * parts: flows of a choke are in proportion to its area. */
 PIPE_SHOWN int pipe_vehicles(pipe *self, long long int count, const long long int *kind, const long long int *cell,
-                             const double *const given[KINDS], int brake_model, double pace);
+                             const double *parts, const double *const given[KINDS], int brake_model, double pace);
 /* Initial state of all distributors: pressure of the charged reservoirs, ambient pressure, pressure in the cylinders [Pa]. */
 PIPE_SHOWN void pipe_charge(pipe *self, double charged, double around, double cylinder);
 /* Commands of the wheel-slide protection of each vehicle, PROTECTION_APPLY, ... */
 void pipe_protect(pipe *self, const double *protection);
 /* The same as shares of open areas: of the valve that shuts the cylinders off, and of the one that vents them. */
 void pipe_dump(pipe *self, const double *held, const double *vented);
+/* The same for the parts of a divided cylinder; all vented; and the pressures that press their brakes [Pa]. */
+void pipe_dump_parts(pipe *self, long long int vehicle, const double *held, const double *vented);
+void pipe_vent_parts(pipe *self, long long int vehicle);
+void pipe_part_pressures(const pipe *self, long long int vehicle, double *pressure);
 /* Electric commands of each vehicle: demanded share of the full pressure of its cylinders, ordered share of full service. */
 void pipe_demand(pipe *self, const double *share, const double *ordered);
 /* 1 if an electric command acts on the pipe at a vehicle. */

@@ -19,7 +19,9 @@ enum { TAP_FOUND = 2, TAPPED = 9, VALVE_OUT = 6, ENERGY_OUT = 7, LET_IN = 8 };
 /* Distributors of one kind, of the vehicles of the pipe that have it. */
 typedef struct {
     int lanes, kind, form; /* form: of DISTRIBUTOR_FORMS */
-    long long int count, stride, *vehicle, *cell; /* vehicle of each, and cell that it is connected to */
+    /* The rows of the `count` vehicles are followed by those of the parts of divided cylinders. Each row has its vehicle, a cell
+     * that it is connected to, and the row of its vehicle. */
+    long long int count, rows, stride, *vehicle, *cell, *of;
     double *memory, *state, *before, *kept, *first, *given, *air, *command, *rate,
         *pressing; /* the first cell of each first row */
 } distributors;

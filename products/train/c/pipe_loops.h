@@ -17,7 +17,7 @@ ROWS_FUNCTION(pipe_warm, pipe, self->cells, cells_warmed, self->state + i, self-
 void LANES_NAME(distributors_answer)(distributors *self) {
 #define FORM(number, name)                                                                                                     \
     case number:                                                                                                               \
-        for (long long int i = 0; i < self->count; i += LANES)                                                                 \
+        for (long long int i = 0; i < self->rows; i += LANES)                                                                  \
             LANES_NAME(cells_##name)(self->state + i, self->air + i, self->given + i, self->command + i, self->rate + i,       \
                                      self->stride);                                                                            \
         break;
@@ -29,7 +29,7 @@ void LANES_NAME(distributors_answer)(distributors *self) {
 void LANES_NAME(distributors_press)(const distributors *self) {
 #define PRESSING(number, name)                                                                                                 \
     case number:                                                                                                               \
-        for (long long int i = 0; i < self->count; i += LANES)                                                                 \
+        for (long long int i = 0; i < self->rows; i += LANES)                                                                  \
             LANES_NAME(cells_##name)(self->state + i, self->given + i, self->pressing + i, self->stride);                      \
         break;
     switch (self->kind) { DISTRIBUTOR_PRESSINGS(PRESSING) }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "detail.h"
 #include "encoder.h"
 #include "own_controllers.h"
 #include "rows.h"
@@ -25,17 +26,18 @@ static const struct {
 } CONTROLLERS[] = {{wheel_slide_size, wheel_slide_start, wheel_slide_step}, OWN_CONTROLLERS};
 
 /* One wheel speed in, one valve out: rotation [rad] and speed before a step [m/s], open areas of the valve that fills the
- * cylinder and of the valve that vents it [1]. */
+ * cylinder and of the valve that vents it [1], its pressure at the last step of the controller [Pa]; pressure before a step of the
+ * train [Pa], and the force that it would have if all wheelsets had its own [N]. */
 typedef struct {
     encoder sensor;
-    double rotation, speed, fills, vents;
+    double rotation, speed, fills, vents, pressure, before, force;
     int command;
 } wheelset;
 
 /* State of a vehicle. The memory of its controller follows its wheelsets. `steps` of the controller; -1 as `failed_at` until it
- * failed [s]; pressure of the cylinders at the last step [Pa], and the air that filled them [kg]. */
+ * failed [s]; the air that filled its cylinders [kg]. */
 typedef struct {
-    double steps, failed_at, pressure, air;
+    double steps, failed_at, air;
 } state;
 
 typedef struct {
@@ -86,7 +88,7 @@ static int lay_states(protections *self) {
 
 static void put_numbers(protected_vehicle *self, const double *given, long long int count) {
     const double time = given[SLIDE_VALVE_TIME * count];
-    self->wheelsets = 1; /* a vehicle of a train has one wheel speed */
+    self->wheelsets = (int)given[SLIDE_WHEELSETS * count];
     self->radius = given[SLIDE_WHEEL_RADIUS * count];
     self->period = given[SLIDE_PERIOD * count];
     self->valve_pace = time > 0.0 ? TIME_CONSTANTS_TO_95_PERCENT / time : 0.0;
@@ -136,15 +138,15 @@ void protection_free(protections *self) {
     free(self);
 }
 
-int protection_has(const train *self, long long int vehicle) {
+int protection_wheelsets(const train *self, long long int vehicle) {
     for (long long int n = 0; self->slide && n < self->slide->count; ++n)
-        if (self->slide->each[n].vehicle == vehicle) return 1;
+        if (self->slide->each[n].vehicle == vehicle) return self->slide->each[n].wheelsets;
     return 0;
 }
 
 int train_control(train *self, long long int vehicle, void (*start)(void *, int, double),
                   void (*step)(void *, double, const double *, int *), size_t size) {
-    if (!protection_has(self, vehicle) || size > LARGEST_MEMORY) return 0;
+    if (!protection_wheelsets(self, vehicle) || size > LARGEST_MEMORY) return 0;
     EACH(self->slide, one)
     if (one->vehicle == vehicle) {
         one->controller.start = start;
@@ -166,6 +168,12 @@ static void give_up(const protections *self, const protected_vehicle *one) {
     for (int n = 0; n < one->wheelsets; ++n) wheelsets_of(self, one)[n].command = WHEEL_SLIDE_APPLY;
 }
 
+/* Pressures of a vehicle's cylinders [Pa], by wheelset; `self->cylinder` has those of all vehicles. */
+static void find_pressures(const train *self, const protected_vehicle *one, double *pressure) {
+    if (one->wheelsets == 1) *pressure = self->cylinder[one->vehicle];
+    else pipe_part_pressures(self->air, one->vehicle, pressure);
+}
+
 void protection_begin(train *self) {
     protections *all = self->slide;
     if (!all) return;
@@ -173,23 +181,23 @@ void protection_begin(train *self) {
     all->start = self->run[RUN_TIME];
     find_cylinders(self, self->cylinder);
     EACH(all, one) {
-        state *own = state_of(all, one);
-        own->failed_at = -1.0;
-        own->pressure = self->cylinder[one->vehicle];
+        double pressure[RIG_MOST];
+        find_pressures(self, one, pressure);
+        state_of(all, one)->failed_at = -1.0;
         for (int n = 0; n < one->wheelsets; ++n) {
             wheelset *of = wheelsets_of(all, one) + n;
             encoder_begin(&of->sensor, NULL, 0.0);
             of->fills = 1.0;
+            of->pressure = of->before = pressure[n];
         }
         if (one->controller.step && !guarded_start(&one->controller, memory_of(all, one), one->wheelsets, one->period))
             give_up(all, one);
     }
 }
 
-/* Speed of the wheels of a wheelset at the rim [m/s]: a vehicle of the train has one for all. */
+/* Speed of the wheels of a wheelset at the rim [m/s]. */
 static double speed_of(const train *self, const protected_vehicle *one, int number) {
-    (void)number;
-    return motion_wheel(self->moves)[one->vehicle];
+    return one->wheelsets == 1 ? motion_wheel(self->moves)[one->vehicle] : detail_rim(self, one->vehicle, number);
 }
 
 const double *protection_commands(const train *self) { return self->slide ? self->slide->command : self->input[IN_PROTECTION]; }
@@ -214,12 +222,29 @@ static void control(const protections *self, const protected_vehicle *one) {
     own->steps += 1.0;
 }
 
-/* Command of a vehicle: it releases or holds if all its wheelsets do. */
-static double command_of(const protections *self, const protected_vehicle *one) {
+/* Least or largest command of a vehicle's wheelsets. */
+static double least_command(const protections *self, const protected_vehicle *one) {
     int least = WHEEL_SLIDE_VENT;
     for (int n = 0; n < one->wheelsets; ++n)
         if (wheelsets_of(self, one)[n].command < least) least = wheelsets_of(self, one)[n].command;
     return least;
+}
+static double largest_command(const protections *self, const protected_vehicle *one) {
+    int most = WHEEL_SLIDE_APPLY;
+    for (int n = 0; n < one->wheelsets; ++n)
+        if (wheelsets_of(self, one)[n].command > most) most = wheelsets_of(self, one)[n].command;
+    return most;
+}
+
+/* Adds the air that has filled a vehicle's cylinders since the last step of its controller. */
+static void count_air(const train *self, const protected_vehicle *one) {
+    wheelset *of = wheelsets_of(self->slide, one);
+    double pressure[RIG_MOST];
+    find_pressures(self, one, pressure);
+    for (int n = 0; n < one->wheelsets; ++n) {
+        state_of(self->slide, one)->air += one->air_per_pressure * fmax(pressure[n] - of[n].pressure, 0.0) / one->wheelsets;
+        of[n].pressure = pressure[n];
+    }
 }
 
 double protection_sample(train *self, double time) {
@@ -229,15 +254,14 @@ double protection_sample(train *self, double time) {
     find_cylinders(self, self->cylinder);
     rows_copy(all->command, self->input[IN_PROTECTION], self->vehicles);
     EACH(all, one) {
-        state *own = state_of(all, one);
-        const double rounding = 1e-6 * one->period + 4.0 * DBL_EPSILON * fabs(time), pressure = self->cylinder[one->vehicle];
+        const state *own = state_of(all, one);
+        const double rounding = 1e-6 * one->period + 4.0 * DBL_EPSILON * fabs(time);
         if (all->start + own->steps * one->period <= time + rounding) {
             control(all, one);
-            own->air += one->air_per_pressure * fmax(pressure - own->pressure, 0.0);
-            own->pressure = pressure;
+            count_air(self, one);
         }
         next = fmin(next, all->start + own->steps * one->period - time);
-        all->command[one->vehicle] = command_of(all, one);
+        all->command[one->vehicle] = least_command(all, one); /* it releases or holds if all its wheelsets do */
     }
     return next;
 }
@@ -258,15 +282,18 @@ void protection_open(train *self, double step) {
         all->vented[i] = all->command[i] == PROTECTION_RELEASE;
     }
     EACH(all, one) {
-        double fills = 0.0, vents = 0.0;
+        double held[RIG_MOST], vented[RIG_MOST], pressure[RIG_MOST];
+        find_pressures(self, one, pressure);
         for (int n = 0; n < one->wheelsets; ++n) {
             wheelset *of = wheelsets_of(all, one) + n;
-            fills += follow(&of->fills, of->command == WHEEL_SLIDE_APPLY, one->valve_pace, step) / one->wheelsets;
-            vents += follow(&of->vents, of->command == WHEEL_SLIDE_VENT, one->valve_pace, step) / one->wheelsets;
+            held[n] = 1.0 - follow(&of->fills, of->command == WHEEL_SLIDE_APPLY, one->valve_pace, step);
+            vented[n] = follow(&of->vents, of->command == WHEEL_SLIDE_VENT, one->valve_pace, step);
             of->speed = speed_of(self, one, n);
+            of->before = pressure[n];
         }
-        all->held[one->vehicle] = 1.0 - fills;
-        all->vented[one->vehicle] = vents;
+        all->held[one->vehicle] = held[0];
+        all->vented[one->vehicle] = vented[0];
+        pipe_dump_parts(self->air, one->vehicle, held, vented);
     }
     pipe_dump(self->air, all->held, all->vented);
 }
@@ -288,6 +315,53 @@ void protection_turn(train *self, double step) {
     }
 }
 
+/* The vehicles whose wheelsets have cylinders of their own. */
+#define EACH_DIVIDED(self, one)                                                                                                \
+    EACH(self, one)                                                                                                            \
+    if (one->wheelsets > 1)
+
+/* Number of wheelsets with an electric brake, which the command to vent ends. */
+static double electric_wheelsets(const protections *self, const protected_vehicle *one) {
+    int count = 0;
+    for (int n = 0; n < one->wheelsets; ++n) count += wheelsets_of(self, one)[n].command != WHEEL_SLIDE_VENT;
+    return count;
+}
+
+void protection_brake(train *self) {
+    protections *all = self->slide;
+    if (!all) return;
+    EACH_DIVIDED(all, one) {
+        const long long int i = one->vehicle;
+        double after[RIG_MOST], sum = 0.0;
+        find_pressures(self, one, after);
+        self->blended[i] *= electric_wheelsets(all, one) / one->wheelsets;
+        for (int n = 0; n < one->wheelsets; ++n) {
+            wheelset *of = wheelsets_of(all, one) + n;
+            const double middle = (of->before + after[n]) / 2.0, speed = speed_of(self, one, n);
+            train_brake_at_1(&middle, &speed, self->brake + i, &of->force, self->stride);
+            sum += of->force = extra_parked(self, i, of->force);
+        }
+        self->held[i] = sum / one->wheelsets;
+    }
+}
+
+void protection_share(train *self) {
+    protections *all = self->slide;
+    if (!all) return;
+    EACH_DIVIDED(all, one) {
+        double *share = train_detail_brake(self, one->vehicle), sum = 0.0;
+        const wheelset *of = wheelsets_of(all, one);
+        const double held = self->held[one->vehicle], electric = self->blends ? self->blended[one->vehicle] : 0.0;
+        for (int n = 0; n < one->wheelsets; ++n) sum += of[n].force;
+        const double rubs = sum > 0.0 ? (held - electric) / sum : 0.0,
+                     pulls = electric / fmax(electric_wheelsets(all, one), 1.0);
+        for (int n = 0; n < one->wheelsets && share; ++n) {
+            const double force = rubs * of[n].force + (of[n].command != WHEEL_SLIDE_VENT ? pulls : 0.0);
+            share[n] = held > 0.0 ? one->wheelsets * force / held : 1.0;
+        }
+    }
+}
+
 void protection_outputs(train *self) {
     protections *all = self->slide;
     rows_copy(self->output[OUT_PROTECTION_STATE],
@@ -295,6 +369,7 @@ void protection_outputs(train *self) {
     for (long long int n = 0; all && n < all->count; ++n) {
         const protected_vehicle *one = &all->each[n];
         const state *own = state_of(all, one);
+        self->output[OUT_PROTECTION_STATE][one->vehicle] = largest_command(all, one);
         if (own->failed_at >= 0.0) self->output[OUT_PROTECTION_STATE][one->vehicle] = PROTECTION_FAILED;
         self->output[OUT_PROTECTION_AIR][one->vehicle] = own->air;
     }

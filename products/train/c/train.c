@@ -131,7 +131,9 @@ static int make_pipe(train *self, const double *const at[LAYOUT_GROUPS]) {
     for (long long int i = 0; made && i < self->vehicles; ++i)
         kind[i] = (long long int)at[GROUP_PLACE][PLACE_DISTRIBUTOR * self->vehicles + i];
     const double *const *given = at + GROUP_FIRST_KIND; /* one group of each kind */
-    made = made && pipe_vehicles(self->air, self->vehicles, kind, self->cell, given, self->brake_model, self->head[HEAD_PACE]);
+    const double *parts = at[GROUP_SLIDE] + SLIDE_WHEELSETS * self->vehicles;
+    made = made &&
+           pipe_vehicles(self->air, self->vehicles, kind, self->cell, parts, given, self->brake_model, self->head[HEAD_PACE]);
     if (made) self->blends |= pipe_is_assisted(self->air);
     free(air);
     free(kind);
@@ -299,8 +301,10 @@ static void find_brakes(train *self, double step) {
     rows_copy(self->wheel, motion_wheel(self->moves), self->vehicles);
     IN_LANES(train_brake);
     extra_park(self, step);
+    protection_brake(self);
     if (self->heats) fade_brakes(self);
     for (long long int i = 0; i < self->vehicles && self->blends; ++i) self->held[i] += self->blended[i];
+    protection_share(self);
 }
 
 /* Forces of the last step. */
@@ -509,15 +513,14 @@ int train_go(train *self, double time) {
     detail_try(self);
     take_inputs(self);
     for (double left = time; left > 0.0;) {
-        int last = 0;
         const double span = fmin(left, protection_sample(self, self->run[RUN_TIME]));
-        const double step = self->detail ? detail_step(self, span, &last) : next_step(self, span);
+        const double step = self->detail ? detail_step(self, span) : next_step(self, span);
         if (!(step > 0.0) || !step_on(self, step)) {
             const int refused = train_detail_failed(self) >= 0;
             train_load(self, self->saved);
             return refused ? -3 : -1;
         }
-        left = step < left && !(last && span == left) ? left - step : 0.0;
+        left = step < left - detail_rounding(self) ? left - step : 0.0;
         self->run[RUN_TIME] = begin + (time - left);
     }
     if (time > 0.0) self->run[RUN_STEP] = time;

@@ -62,6 +62,10 @@ long long int layout_output(const long long int counts[LAYOUT_OWNERS], int row);
 
 #define TRAIN_LOOPS(lanes)                                                                                                     \
     void train_brake_##lanes(train *self);                                                                                     \
+    void train_brake_at_##lanes(const double *cylinder, const double *wheel, const double *brake, double *force,               \
+                                long long int stride);                                                                         \
+    void extra_park_at_##lanes(const double *air, const double *order, const double *parking, double *applied,                 \
+                               long long int stride);                                                                          \
     void train_blend_##lanes(train *self);                                                                                     \
     void train_heat_##lanes(train *self);                                                                                      \
     void train_surface_##lanes(train *self);                                                                                   \
@@ -105,6 +109,8 @@ void extra_free(extra_brakes *self);
 double *extra_run(const train *self);
 /* Applies parking brakes: they join the brake forces in `held`. Does nothing without one. */
 void extra_park(train *self, double step);
+/* Returns the force of a vehicle's parking brake, as it was applied last, with another force of the air [N]. */
+double extra_parked(const train *self, long long int vehicle, double air);
 /* Adds the forces of track brakes to the row ACTING_BODY, after `line_act`. */
 void extra_track(train *self, double step);
 /* Traction, and adhesion over speed (drive.c): rows (rows.h) of vehicles. */
@@ -143,8 +149,12 @@ void detail_settle(train *self);
 void detail_try(train *self);
 /* A run begins, whose kernels have not been initialised. */
 void detail_forget(train *self);
-/* Advances the train's own clock by the next step, which is returned: to its grid, or over the time that is left (`last`). */
-double detail_step(const train *self, double left, int *last);
+/* Speed of a wheelset at the rim [m/s]; before its kernel begins, that of the vehicle's wheels. */
+double detail_rim(const train *self, long long int vehicle, int wheelset);
+/* Advances the train's own clock by the next step, which is returned: to its grid, or over the time that is left. */
+double detail_step(const train *self, double left);
+/* Largest rest of a time that rounding leaves [s]; 0 without vehicles in detail. */
+double detail_rounding(const train *self);
 /* Pressures that press the brakes: of distributors, or of direct brakes. */
 void find_cylinders(const train *self, double *cylinder);
 /* The cab (cab.c): rows (rows.h) of the vehicles that have a direct brake or a main reservoir, and what all have. */

@@ -5,6 +5,19 @@
 
 ROWS_FUNCTION(train_brake, train, self->vehicles, cells_braking, self->cylinder + i, self->wheel + i, self->brake + i,
               self->held + i)
+
+void LANES_NAME(train_brake_at)(const double *cylinder, const double *wheel, const double *brake, double *force,
+                                long long int stride) {
+    LANES_NAME(cells_braking)(cylinder, wheel, brake, force, stride);
+    LANES_LEAVE;
+}
+
+void LANES_NAME(extra_park_at)(const double *air, const double *order, const double *parking, double *applied,
+                               long long int stride) {
+    LANES_NAME(cells_parking)(air, order, parking, applied, stride);
+    LANES_LEAVE;
+}
+
 ROWS_FUNCTION(train_blend, train, self->vehicles, cells_blending, self->wheel + i, self->command + i, self->brake + i,
               self->electric + i, self->blended + i)
 ROWS_FUNCTION(train_heat, train, self->vehicles, cells_heating, self->warm + i, self->worked + i, self->heat + i,
