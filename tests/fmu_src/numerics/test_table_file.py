@@ -102,7 +102,10 @@ def test_a_tank_is_filled_by_the_map_of_its_pump(pump: Library, tmp_path: Path) 
         ("time,head\n0,0\n1,1\n", r"row 1: the column flow is missing"),
         ("time,flow,kind\n", r"row 1: the column 'kind' is unknown. Columns are time, flow and, where known, head"),
         ("time,flow,haed\n", r"row 1: the column 'haed' is unknown. Did you mean head"),
-        ("time,flow [m3]\n", r"row 1: the unit 'm3' of flow is unknown. Use m3/s, l/s, m3/min, m3/h, l/min, ft3/min; none means m3/s"),
+        (
+            "time,flow [m3]\n",
+            r"row 1: the unit 'm3' of flow is unknown. Use m3/s, l/s, m3/min, m3/h, l/min, ft3/min; none means m3/s",
+        ),
     ],
 )
 def test_a_bad_map_is_refused_in_its_own_words(pump: Library, tmp_path: Path, rows: str, sentence: str) -> None:
