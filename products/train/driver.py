@@ -58,9 +58,8 @@ class HoldingDriver:
     `dynamic` of it, and air the rest: the driver's valve is in service, or running below half of its first step.
     A demand below 0 is traction, in trains with motors: five times that share of their largest force.
     A train that rolls back is held by air, without traction. Where a vehicle's brake releases wholly, as AAR valves do,
-    air is never reduced in part. With motors or `dynamic`, of any share, such a train brakes in cycles
-    (`cycle_braking`). Without both, air stays until the demand needs none: on 25 permille from 50 km/h, 30 wagons of
-    100 t run away.
+    air is never reduced in part: such a train is balanced by its dynamic brake or motors, or brakes in cycles, and uses
+    any `dynamic` above 0 as far as its dynamic brake has force (`cycle_braking`).
     Gains are assumed: 1 m/s too fast adds a tenth of the brake, and T is longer than the release of a cylinder.
 
     Parameters
@@ -100,22 +99,21 @@ class HoldingDriver:
         """Set the driver's valve of the head, the dynamic brakes and the traction of a train.
 
         Call it once a `period`, before the train advances. Raises ValueError if no vehicle has the dynamic brake that
-        the driver counts on, or if the train does not start.
+        the driver counts on, or if the train stands for 180 s: it does not start, or its brakes hold it on a descent.
         """
         if self.dynamic and not any(one.electric.dynamic_force > 0.0 for one in train.consist.vehicles):
             raise ValueError(
                 f"dynamic must be 0 with a train without dynamic brakes; got {self.dynamic:g}. State dynamic_force of "
                 "a vehicle."
             )
-        self._watch.look(train)
+        self._watch.look(train, reason=self._descent.refused if self._descent else "")
         if rolls_back(train):
             self.air = hold(train)
             return
-        wholly = bool(direct_release(train.consist))
-        pulls = any(vehicle.traction.traction_force > 0.0 for vehicle in train.consist.vehicles)
-        if wholly and (pulls or self.dynamic):
+        if direct_release(train.consist):
             self._cycle(train)
             return
+        pulls = any(vehicle.traction.traction_force > 0.0 for vehicle in train.consist.vehicles)
         fast = float(train.speed[0]) - self.speed
         demand = self.added + self.gain * fast
         if (-1.0 / PULLS if pulls else 0.0) < demand < 1.0 or demand * fast < 0.0:  # no wind-up beyond the brake
@@ -127,10 +125,7 @@ class HoldingDriver:
             train.inputs["dynamic_brake"] = min(demand / self.dynamic, 1.0)
         wanted = max(demand - self.dynamic, 0.0) / (1.0 - self.dynamic)
         change = self.period / MOVES
-        least = self.air - change
-        if wholly:  # a reduction releases such a brake wholly
-            least = self.air if wanted > 0.0 else 0.0
-        self.air = float(np.clip(wanted, least, self.air + change))
+        self.air = float(np.clip(wanted, self.air - change, self.air + change))
         self._set_air(train)
 
     def _cycle(self, train: Train) -> None:

@@ -14,6 +14,8 @@ from rbd_model.train.vehicle import GRAVITY
 #: Time without progress after which a driver gives up [s], and the way that is progress [m]. Assumed: the brakes of the
 #: longest trains release in less.
 PATIENCE, PROGRESS = 180.0, 1.0
+#: Remedy for brakes that hold a train.
+RELEASE = "Release its brakes: charge the pipe, and look at retainers, parking and track brakes."
 
 
 @dataclass
@@ -31,24 +33,33 @@ class StartWatch:
         """Begin again, because the train is to stand."""
         self.place = -math.inf
 
-    def look(self, train: Train, adhesion: float = math.inf) -> None:
-        """Raise ValueError if the train has made no progress for PATIENCE. adhesion: at most used by the driver."""
+    def look(self, train: Train, adhesion: float = math.inf, reason: str = "") -> None:
+        """Raise ValueError if the train has made no progress for PATIENCE.
+
+        adhesion: at most used by the driver. reason: why its brakes stay applied on a descent.
+        """
         front = float(train.distance[0]) + train.consist.vehicles[0].length / 2
         if front > self.place + PROGRESS:
             self.place, self.since, self.brakes = front, train.time, math.inf
         self.brakes = min(self.brakes, float(np.sum(train.brake_force)))
         if train.time - self.since >= PATIENCE:
-            raise ValueError(self._message(train, front, adhesion))
+            raise ValueError(self._message(train, front, adhesion, reason))
 
-    def _message(self, train: Train, front: float, adhesion: float) -> str:
+    def _message(self, train: Train, front: float, adhesion: float, reason: str) -> str:
         consist, weight = train.consist, train.consist.mass * GRAVITY
         slope, resistance = float(line_force(consist, train.line, np.array([front]))[0]), resistance_of(consist)[0]
         demanded, (pull, remedy) = slope + resistance + self.brakes, _available(train, adhesion)
+        gradient = f"gradient and curves of {1e3 * slope / weight:.1f} permille"
+        if slope + resistance < 0.0:  # it would roll: its brakes hold it
+            return (
+                f"The train stands on a descent, held by its own brakes: {gradient} pull {-slope / 1e3:.1f} kN, and "
+                f"the brakes hold {self.brakes / 1e3:.1f} kN. {reason or RELEASE}"
+            )
         if self.brakes > max(pull - slope - resistance, 1.0):
-            remedy = "Release its brakes: charge the pipe, and look at retainers, parking and track brakes."
+            remedy = RELEASE
         return (
-            f"The train does not start: its motors must pull more than {demanded / 1e3:.1f} kN (gradient and curves of "
-            f"{1e3 * slope / weight:.1f} permille {slope / 1e3:.1f}, resistance {resistance / 1e3:.1f}, brakes "
+            f"The train does not start: its motors must pull more than {demanded / 1e3:.1f} kN ({gradient} "
+            f"{slope / 1e3:.1f}, resistance {resistance / 1e3:.1f}, brakes "
             f"{self.brakes / 1e3:.1f}); got {pull / 1e3:.1f} kN. {remedy}"
         )
 
