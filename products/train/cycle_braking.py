@@ -1,9 +1,9 @@
 """Braking on a descent with valves that release wholly: balanced by a dynamic brake or power, else in cycles.
 
-So is balanced and cycle braking described in North America (no rule book was read). The dynamic brake comes first. Then one
-reduction gives the force that the gradient needs, and small further ones correct it. If this slows the train, air is
-released at a lower bound, the reservoirs charge while retainers and the dynamic brake hold, and air is applied again
-before an upper bound. A train that would gain more than both bounds while it charges is not released, and stops.
+So is balanced and cycle braking described in North America (no rule book was read). The dynamic brake comes first. Then
+one reduction gives the force that the gradient needs, and small further ones correct it. If this slows the train, air
+is released at a lower bound, the reservoirs charge while retainers and the dynamic brake hold, and air is applied
+again before an upper bound. A train that would gain more than both bounds while it charges is not released, and stops.
 Numbers without a source are assumed.
 """
 
@@ -34,8 +34,9 @@ MINIMUM, QUICK = 0.36, 0.09
 TRIMS, SMALLEST, LARGEST, FALLS = 0.5, 0.01, 0.08, 0.02
 #: Falls of the pipe in full service and at which it is taken as charged [Pa] (UIC 540; assumed).
 SERVICE, CHARGED = 1.5e5, 0.1e5
-#: The root of the pressure that reservoirs lack falls by 1 bar^0.5 in CHARGES + (length / DIFFUSES)^2 [s]: a choke at a small
-#: difference (ISO 6358-1), and a pipe that fills as by diffusion. Fitted to releases of 1 to 100 cars of this model.
+#: The root of the pressure that reservoirs lack falls by 1 bar^0.5 in CHARGES + (length / DIFFUSES)^2 [s]: a choke at
+#: a small difference (ISO 6358-1), and a pipe that fills as by diffusion. Fitted to releases of 1 to 100 cars of this
+#: model.
 CHARGES, DIFFUSES = 35.0, 90.0
 #: Pressure of cylinders in full service [Pa]; volume of the auxiliary reservoir over that of the cylinder.
 FULL, FILLS = 3.57e5, 2.5
