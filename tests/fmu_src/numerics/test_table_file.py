@@ -104,7 +104,7 @@ def test_a_tank_is_filled_by_the_map_of_its_pump(pump: Library, tmp_path: Path) 
         ("time,flow,haed\n", r"row 1: the column 'haed' is unknown. Did you mean head"),
         (
             "time,flow [m3]\n",
-            r"row 1: the unit 'm3' of flow is unknown. Use m3/s, l/s, m3/min, m3/h, l/min, ft3/min; none means m3/s",
+            r"the unit 'm3' of flow is unknown. Use m3/s, l/s, m3/min, m3/h, l/min, ft3/min; none means m3/s",
         ),
     ],
 )
