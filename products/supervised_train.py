@@ -19,6 +19,7 @@ from products.train.driver import direct_release
 from products.train.driver_fmu import NAME as DRIVER
 from products.train.fmu import NAME as TRAIN
 from products.train.imported_consist import consist_from
+from products.train.train import idle_inputs
 from readers.text import BadInputError
 
 NAME = "SupervisedTrain"
@@ -93,16 +94,19 @@ def wires_of(consist: Consist, moved: Sequence[int]) -> list[Wire]:
     count = len(consist.vehicles)
     valves = sum(vehicle.valve is not None for vehicle in consist.vehicles)
     speed, distance = (element(name, 1, count) for name in ("speed", "distance"))
+    commands = ["driver_position", "driver_step"] + [VIGILANCE] * (VIGILANCE not in idle_inputs(consist))
     return [
         *joined("train", "driver", {speed: "speed", distance: "distance"}),
         *joined("train", "curves", {speed: "V_est"}),
         *joined("driver", "curves", {"place": "distance", "distance_to_target": "distance_to_target"}),
         *joined("curves", "driver", {name: name for name in COMMANDED}),
-        *joined("driver", "train", {name: element(name, 1, valves) for name in ("driver_position", "driver_step")}),
+        *joined("driver", "train", {name: element(name, 1, valves) for name in commands}),
         *(Wire(("driver", "traction"), ("train", element("traction", number, count))) for number in moved),
     ]
 
 
+#: Input of vigilance devices, which trains without one refuse.
+VIGILANCE = "vigilance"
 #: Outputs of the curves that the driver receives, by the names of his inputs.
 COMMANDED = ("V_P", "distance_P", "traction_cut_off", "service_brake", "emergency_brake")
 

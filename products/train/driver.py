@@ -50,6 +50,12 @@ def hold(train: Train) -> float:
     return HOLDS
 
 
+def acknowledge(train: Train) -> None:
+    """Change the input of the vigilance device at the head's valve: an attentive driver does so at each action."""
+    if any(vehicle.vigilance.vigilance_time > 0.0 for vehicle in train.consist.vehicles):
+        train.inputs["vigilance"][0] = 1.0 - train.inputs["vigilance"][0]
+
+
 @dataclass
 class HoldingDriver:
     """A proportional and integral law of speed, called once a `period` [s].
@@ -106,6 +112,7 @@ class HoldingDriver:
                 f"dynamic must be 0 with a train without dynamic brakes; got {self.dynamic:g}. State dynamic_force of "
                 "a vehicle."
             )
+        acknowledge(train)
         self._watch.look(train, reason=self._descent.refused if self._descent else "")
         if rolls_back(train):
             self.air = hold(train)

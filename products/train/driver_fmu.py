@@ -9,6 +9,7 @@ The driver's law, once a `period`, with v the speed and V_P the permitted speed 
   With a constant deceleration A of full service s is v^2 / 2 A. Braking with the share b then crosses no P if
   (1 / b - 1) v^2 / 2 A - 4 v + short >= 0 at all speeds. Both curves touch at short = 8 A b / (1 - b).
 * Pull only while P is 2 v (t + 4) ahead at least.
+* Acknowledge the vigilance device: the output `vigilance` alternates.
 * Stay: within `short` + v t, or at rest within five times `short`, a train is braked and pulls no more.
 
 `below`, `short`, `brakes_at`, the gains and the period are assumed.
@@ -77,9 +78,10 @@ def variables() -> list[tuple[ArrayVariable, float]]:
         one = commanded[name]
         found.append((ArrayVariable(name, "output", one.unit, one.text, one.least, one.most, one.whole), start))
     places = {"place": "Place of the front", "distance_to_target": "From the front to the target, below 0 behind it"}
-    return found + [
-        (ArrayVariable(name, "output", "m", text, -math.inf, math.inf), 0.0) for name, text in places.items()
-    ]
+    found += [(ArrayVariable(name, "output", "m", text, -math.inf, math.inf), 0.0) for name, text in places.items()]
+    one = commanded["vigilance"]
+    text = "The driver's acknowledgement: each change of it counts"
+    return [*found, (ArrayVariable(one.name, "output", one.unit, text, one.least, one.most, one.whole), 0.0)]
 
 
 @lru_cache

@@ -49,19 +49,30 @@ class StartWatch:
         consist, weight = train.consist, train.consist.mass * GRAVITY
         slope, resistance = float(line_force(consist, train.line, np.array([front]))[0]), resistance_of(consist)[0]
         demanded, (pull, remedy) = slope + resistance + self.brakes, _available(train, adhesion)
+        penalty = _penalty(train)
         gradient = f"gradient and curves of {1e3 * slope / weight:.1f} permille"
         if slope + resistance < 0.0:  # it would roll: its brakes hold it
             return (
                 f"The train stands on a descent, held by its own brakes: {gradient} pull {-slope / 1e3:.1f} kN, and "
-                f"the brakes hold {self.brakes / 1e3:.1f} kN. {reason or RELEASE}"
+                f"the brakes hold {self.brakes / 1e3:.1f} kN. {penalty or reason or RELEASE}"
             )
         if self.brakes > max(pull - slope - resistance, 1.0):
             remedy = RELEASE
         return (
             f"The train does not start: its motors must pull more than {demanded / 1e3:.1f} kN ({gradient} "
             f"{slope / 1e3:.1f}, resistance {resistance / 1e3:.1f}, brakes "
-            f"{self.brakes / 1e3:.1f}); got {pull / 1e3:.1f} kN. {remedy}"
+            f"{self.brakes / 1e3:.1f}); got {pull / 1e3:.1f} kN. {penalty or remedy}"
         )
+
+
+def _penalty(train: Train) -> str:
+    """Return the remedy for a penalty in force; empty: there is none."""
+    valves = np.flatnonzero(train.penalty_applied).tolist()
+    return (
+        f"A penalty is in force at driver's valve {valves[0] + 1}: acknowledge it, or reset its input."
+        if valves
+        else ""
+    )
 
 
 def _available(train: Train, adhesion: float) -> tuple[float, str]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from brake_controller.distributors import kind_of
 from fmu_src.cosimulation.recording import Recording
-from products.train.driver import LEAST, direct_release, hold, rolls_back
+from products.train.driver import LEAST, acknowledge, direct_release, hold, rolls_back
 from products.train.driver_forces import SPEEDS, moved_mass, train_forces
 from products.train.energy_plan import EnergyPlan, allowed_speed
 from products.train.starting import StartWatch
@@ -167,6 +167,7 @@ class TimetableDriver:
                 "A driver by timetable must stay with one train; got another one. Make a new driver for it."
             )
         assert self._forces is not None
+        acknowledge(train)
         speed, front = float(train.speed[0]), self.front(train)
         if self._holds(train, front):
             self.air, self._before, self._seen, self.load = hold(train), speed, train.time, 0.0

@@ -76,6 +76,7 @@ static bool may_pull(const double *value, double speed) {
 
 static void act(arrays_object *self) {
     double *value = self->values;
+    value[VIGILANCE] = 1.0 - value[VIGILANCE];
     const double speed = fmax(value[SPEED], 0.0), stop = needed(value, speed);
     self->braking = stop >= (self->braking != 0.0 ? value[BRAKES_AT] / 2.0 : value[BRAKES_AT]);
     self->arrived = is_there(self, speed);

@@ -224,6 +224,28 @@ def test_a_train_too_heavy_for_its_motors_is_held_by_air(driver: HoldingDriver |
     assert -1.0 < slowest < -0.05
 
 
+@pytest.mark.parametrize(
+    "driver", [HoldingDriver(15.0), TimetableDriver([StationStop(5000.0)], [(0.0, 20.0)])], ids=["held", "timetable"]
+)
+def test_a_driver_is_attentive(driver: HoldingDriver | TimetableDriver) -> None:
+    """A device of 3 s and 1 s leaves the train alone; without an action it ends a minute with a penalty."""
+    train = train_of([LOCOMOTIVE | {"vigilance_time": 3.0, "warning_time": 1.0}, {"kind": "coach"}], speed=14.0)
+    while train.time < 60.0:
+        driver.act(train)
+        train.advance(driver.period)
+        assert not train.penalty_applied.any()
+    assert train.speed[0] > 12.0
+    train.advance(60.0)
+    assert train.penalty_applied[0] == 2.0
+
+
+def test_a_train_under_a_penalty_does_not_start_for_that_reason() -> None:
+    train = train_of([LOCOMOTIVE, {"kind": "coach"}])
+    train.inputs["penalty"] = 1
+    with pytest.raises(ValueError, match=r"A penalty is in force at driver's valve 1: acknowledge it, or reset"):
+        TimetableDriver([StationStop(500.0)], [(0.0, 20.0)]).drive(train)
+
+
 def test_a_profile_without_resistance_has_its_closed_form() -> None:
     """To V at a, coasting at V, from V at b: T = D / V + V (1 / a + 1 / b) / 2, and the energy is V^2 / 2."""
     way, pull, brake, speed = 4000.0, 0.8, 0.5, 22.0

@@ -24,6 +24,7 @@ TARGET, SPEED, LONG = 1500.0, 80.0 / 3.6, 160.0
 COUNT = round(LONG / STEP)
 CONSIST = """[[vehicle]]
 kind = "locomotive"
+vigilance_time = 30
 traction_force = 300
 traction_power = 5600
 
