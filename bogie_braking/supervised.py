@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from brake_controller.electric_brake import FILLS
 from brake_controller.shoe_friction import CONSTANT
 from products.supervision import BrakedVehicles, BrakeUnits, SupervisedTrain
-from products.supervision.of_run import BrakeOfRun, brake_of_run
+from products.supervision.of_run import LOWEST, BrakeOfRun, brake_of_run
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist
 from products.train.summary import brake_force
 from products.train.train import Train
 from rbd_model.track.line import Line
+from rbd_model.vehicle.variables import FASTEST
 from readers.text import BadInputError
 
 #: Longest stop, time between rows of a run and of a drawn stop, and of a part of a run [s]; speed of a train at rest.
@@ -75,7 +77,7 @@ def supervised_train(consist: Consist, largest: float, **others: Any) -> FromRun
     BadInputError
         If a brake does not develop or the train does not stop.
     """
-    emergency, service = (_brake(consist, name, largest) for name in COMMANDS)
+    emergency, service = (_brake(_by_air(consist), name, largest) for name in COMMANDS)
     train = SupervisedTrain(
         consist.length,
         emergency.deceleration,
@@ -88,11 +90,22 @@ def supervised_train(consist: Consist, largest: float, **others: Any) -> FromRun
     return FromRuns(train, emergency, service)
 
 
+def _by_air(consist: Consist) -> Consist:
+    """Return a train whose air brakes take the share of electric brakes: cylinder pressures show the build-up then."""
+    vehicles = [
+        replace(one, electric=replace(one.electric, dynamic_force=0.0, blending=float(FILLS)))
+        if one.electric.blended_pressure > 0.0
+        else one
+        for one in consist.vehicles
+    ]
+    return replace(consist, vehicles=tuple(vehicles))
+
+
 def _brake(consist: Consist, command: str, largest: float) -> BrakeOfRun:
     """Return the brake of a run that begins as fast as it must."""
     begin = largest + MARGIN
     for _ in range(RUNS):
-        time, speed, pressure = _run(consist, command, begin)
+        time, speed, pressure = _run(consist, command, begin, LOWEST * largest)
         if pressure.max() <= 0.0:
             raise BadInputError("The train has no pressure in any brake cylinder; ETCS data need a pneumatic brake.")
         share = pressure / pressure.max()
@@ -100,11 +113,16 @@ def _brake(consist: Consist, command: str, largest: float) -> BrakeOfRun:
         if late <= 0.0:
             return brake_of_run(time, speed, share, largest)
         begin += late + MORE
+        if begin > FASTEST:
+            break
     raise BadInputError(f"The {command} brake is not developed at {largest:.1f} m/s in any run. Give a lower speed.")
 
 
-def _run(consist: Consist, command: str, speed: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return time, speed of the mass centre and sum of cylinder pressures of a stop."""
+def _run(consist: Consist, command: str, speed: float, lowest: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return time, speed of the mass centre and sum of cylinder pressures of a stop, until a vehicle stands.
+
+    It goes on to the lowest speed that is read. Once a vehicle stands, couplers push others back: the brakes do not.
+    """
     train = Train(consist.unprotected, speed=speed, settings=select_brake_model(consist))
     train.drive(*COMMANDS[command])
     masses = np.array([vehicle.mass for vehicle in consist.vehicles])
@@ -113,11 +131,13 @@ def _run(consist: Consist, command: str, speed: float) -> tuple[np.ndarray, np.n
     while past < LONGEST:
         record = train.record(LOOK, ROW)
         speeds, pressures = (_columns(record, name, count) for name in ("speed", "cylinder_pressure"))
-        rows = np.stack([record["time"], speeds @ masses / masses.sum(), pressures.sum(axis=1)])
+        rows = np.stack([record["time"], speeds @ masses / masses.sum(), pressures.sum(axis=1), speeds.min(axis=1)])
         parts.append(rows[:, 1:] if parts else rows)
         past += LOOK
         if float(np.abs(train.speed).max()) < RESTS:
-            times, mean, pressure = np.concatenate(parts, axis=1)
+            rows = np.concatenate(parts, axis=1)
+            end = max(int(np.argmax(rows[3] <= 0.0)), int(np.argmax(rows[1] <= lowest)) + 1)
+            times, mean, pressure = rows[:3, :end]
             return times, mean, pressure
     raise BadInputError(f"The train does not stop within {LONGEST:g} s in {command} braking. Check its brakes.")
 

@@ -7,6 +7,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,6 +32,8 @@ from products.supervision import (
 )
 from products.supervision.of_run import brake_of_run
 from products.train.consist_file import consist_of
+from products.train.driver_forces import moved_mass
+from products.train.summary import brake_force
 from rbd_model.track.line import Line
 from rbd_model.track.line_files import line_from_file
 from readers.command_line import CommandLine
@@ -249,6 +252,29 @@ def test_the_numbers_of_a_train_lose_less_than_a_second_of_its_build_up() -> Non
         begins = supervise(one, 2000.0, speed, V_ura=0.0).EBI
         [own] = own_stops(consist, speed, begins, None)
         assert (own.ends <= 2000.0) == before
+
+
+@pytest.mark.parametrize("brake", [{"lambda": 80.0}, {"lambda": 80.0, "distributor": "vacuum"}], ids=["air", "vacuum"])
+def test_an_unbraked_locomotive_adds_its_mass_and_resistance(brake: dict[str, Any]) -> None:
+    """The lowest deceleration is (F + a) / M with rotating masses, although the stopped train swings back."""
+    rows = [{"kind": "locomotive", "mass": 80.0, "brake": "none"}, {"kind": "coach", "count": 8, "mass": 35.0, **brake}]
+    consist = consist_of(rows)
+    force = sum(brake_force(one, 1.0) + one.resistance[0] for one in consist.vehicles)
+    found = supervised_train(consist, 30.0).train
+    for brakes in (found.A_brake_emergency, found.A_brake_service):
+        assert brakes.values.min() == pytest.approx(force / moved_mass(consist), rel=5e-3)
+
+
+@pytest.mark.parametrize("blending", ["fills", "adds", "closes"])
+def test_a_blended_electric_brake_leaves_the_data_to_the_air(blending: str) -> None:
+    """The air alone has the stated 1.2 m/s2 and its own times: the data are those without the electric brake."""
+    car = {"kind": "coach", "brake": "ep-direct", "deceleration": 1.2, "dead_time": 0.3, "valve": "head"}
+    electric = {"dynamic_force": 80.0, "dynamic_power": 1400.0, "blending": blending}
+    electric |= {"blending_speed": 3.0} if blending == "closes" else {}
+    blended, plain = (supervised_train(consist_of([car | more]), 22.0).train for more in (electric, {}))
+    assert blended.T_brake_emergency == plain.T_brake_emergency < 3.0
+    assert np.array_equal(blended.A_brake_emergency.values, plain.A_brake_emergency.values)
+    assert plain.A_brake_emergency.values.min() == pytest.approx(1.2, rel=0.03)
 
 
 @pytest.mark.parametrize(
