@@ -84,7 +84,7 @@ _POSITIONS = (
 )
 _STEP = "Step of service: 0 the first, 1 full service"
 _PULL = "Force of motors at the rim; below zero it drives backwards"
-_COUPLED = "Coupling behind each vehicle: 1 coupled once they touch, 0 apart (its hose: joined)"
+_COUPLED = "Coupling behind each vehicle: 1 coupled once they touch, 0 apart (1 m apart its hose parts)"
 _LED = (
     "A vehicle computed in detail elsewhere: 1 its speed is held in a step, 2 corrected before a step, 0 neither."
     " Couplers limit the step: docs/train-couplers.md"

@@ -164,6 +164,7 @@ def _functions(kinds: tuple[Distributor, ...]) -> ctypes.CDLL:
         "train_numbers": (count, [pointer]),
         "train_locked_at": (block, [pointer]),
         "train_broken_at": (block, [pointer]),
+        "train_parted_at": (block, [pointer]),
         "train_save": (None, [pointer, pointer]),
         "train_load": (None, [pointer, pointer]),
         "train_steps": (None, [pointer, pointer]),

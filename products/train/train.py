@@ -418,10 +418,14 @@ class Train:
 
     @property
     def messages(self) -> list[str]:
-        """Messages of the run: notes on its start, broken couplers, locked wheels, failed controllers."""
-        times, breaks = self.locked_at, self._times(self._call.train_broken_at)
+        """Messages of the run: notes on its start, broken couplers, parted hoses, locked wheels, failed controllers."""
+        times, ends = self.locked_at, {"coupler": ("broke", self._call.train_broken_at)}
+        ends["hose"] = ("parted", self._call.train_parted_at)
         broken = (
-            f"The rear coupler of vehicle {n + 1} broke at {breaks[n]:.2f} s." for n in np.flatnonzero(breaks < NEVER)
+            f"The rear {name} of vehicle {n} {verb} at {at:.2f} s."
+            for name, (verb, call) in ends.items()
+            for n, at in enumerate(self._times(call), 1)
+            if at < NEVER
         )
         locked = (self._lock_message(int(n), times[n]) for n in np.flatnonzero(np.isfinite(times)))
         return [*self._notes, *broken, *locked, *self.controller_failures]

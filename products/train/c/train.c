@@ -19,10 +19,11 @@ enum { BLENDED_ROWS = 4, WARM_ROWS = 1 + 2 * HEATED_ROWS };
 
 /* Length of a run's variables: behind those of the valves, of each vehicle the force of its electric brake [N] and the heat of
  * its friction brake (HEATED_ROWS), and the times when its wheels first locked and the coupler behind it first broke, then
- * those of drive.c, of extra_brakes.c and of cab.c. */
+ * those of drive.c, of extra_brakes.c, of cab.c and of hoses.c. */
 enum { OWN_RUN = 3 + HEATED_ROWS };
 static long long int runs(const train *self) {
-    return RUN_VALVES + OF_VALVE * self->valves + (OWN_RUN + DRIVE_RUN + EXTRA_RUN) * self->vehicles + cab_numbers(self);
+    return RUN_VALVES + OF_VALVE * self->valves + (OWN_RUN + DRIVE_RUN + EXTRA_RUN + HOSE_RUN) * self->vehicles +
+           cab_numbers(self);
 }
 static double *electric_run(train *self) { return self->run + RUN_VALVES + OF_VALVE * self->valves; }
 static double *heat_run(train *self) { return electric_run(self) + self->vehicles; }
@@ -30,6 +31,7 @@ static double *break_run(const train *self) { return drive_run(self) - self->veh
 static double *lock_run(const train *self) { return break_run(self) - self->vehicles; }
 double *drive_run(const train *self) { return self->run + RUN_VALVES + OF_VALVE * self->valves + OWN_RUN * self->vehicles; }
 double *extra_run(const train *self) { return drive_run(self) + DRIVE_RUN * self->vehicles; }
+double *hose_run(const train *self) { return cab_run(self) + cab_numbers(self); }
 double *cab_run(const train *self) { return extra_run(self) + EXTRA_RUN * self->vehicles; }
 
 static double *take(double **from, long long int count) {
@@ -352,15 +354,10 @@ static void find_outputs(train *self) {
     motion_extremes(self->moves, sums + SUM_LARGEST_TENSION);
 }
 
-/* The joint of the last step's inputs behind a vehicle; the hose of a broken coupler has parted. */
-static void put_joint(train *self, long long int i) {
-    const double *joined = self->given_before + (self->input[IN_HOSE_STATE] - self->input[0]);
-    const int how = motion_is_broken(self->moves, i) ? HOSE_STATE_PARTED : (int)joined[i];
-    if (self->face[i] > 0) pipe_join(self->air, self->face[i], how);
-}
-
+/* The joints of the last step's inputs, and of hoses that have parted. */
 static void put_joints(train *self) {
-    for (long long int i = 0; i + 1 < self->vehicles; ++i) put_joint(self, i);
+    for (long long int i = 0; i + 1 < self->vehicles; ++i)
+        if (self->face[i] > 0) pipe_join(self->air, self->face[i], hose_joint(self, i));
 }
 
 void train_begin(train *self, double time, double speed, double distance, double pressure, double cylinder) {
@@ -379,6 +376,7 @@ void train_begin(train *self, double time, double speed, double distance, double
         fill(own, 1 + HISTORY, pressure);
         fill(own + 1 + HISTORY, HISTORY, v ? DRIVER_POSITION_SHUT_OFF : DRIVER_POSITION_RUNNING);
     }
+    hoses_begin(self);
     put_joints(self);
     cab_begin(self);
     fill(self->blended, self->vehicles, 0.0);
@@ -425,6 +423,7 @@ static void take_inputs(train *self) {
     int changed = 0;
     for (long long int i = 0; i < couplings; ++i) {
         changed |= coupled[i] != coupled_before[i] || joined[i] != joined_before[i];
+        if (joined[i] != joined_before[i]) hose_changed(self, i);
         if (coupled[i] != coupled_before[i]) motion_couple(self->moves, i, coupled[i] > 0.0);
     }
     lead(self);
@@ -459,6 +458,7 @@ static void note_breaks(train *self, double time) {
 
 /* One step with brakes and line of its middle; returns 0 if its result is not finite. */
 static int step_on(train *self, double step) {
+    if (hoses_look(self, step)) put_joints(self);
     cab_watch(self, step);
     valves_command(self, step);
     protection_open(self, step);

@@ -47,6 +47,8 @@ TRAIN_SHOWN int train_input_wrong(const train *self, long long int *element);
 #define TRAIN_NEVER 1e300
 TRAIN_SHOWN const double *train_locked_at(const train *self);
 TRAIN_SHOWN const double *train_broken_at(const train *self);
+/* Time at which the joined hose behind each vehicle was first torn by a gap [s]; TRAIN_NEVER: not yet. */
+TRAIN_SHOWN const double *train_parted_at(const train *self);
 /* Complete state of a run with its inputs: its size, and copies from and to memory. */
 TRAIN_SHOWN long long int train_numbers(const train *self);
 TRAIN_SHOWN void train_save(const train *self, double *numbers);

@@ -216,11 +216,12 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
     const double *states = values_of(self, FIRST_OUTPUT + OUT_PROTECTION_STATE);
     memcpy(self->states, states, length_of(self->own, LOCKED) * sizeof(double));
     find_outputs(self);
-    char said[3][MESSAGE_SIZE] = {"", "", ""};
+    char said[4][MESSAGE_SIZE] = {"", "", "", ""};
     say_first(self, train_broken_at(self->own), before, "rear coupler", "broke", said[0]);
     say_first(self, train_locked_at(self->own), before, "wheels", "locked", said[1]);
-    say_failed(self, self->states, time + step, said[2]);
-    for (int n = 0; n < 3; ++n) {
+    say_first(self, train_parted_at(self->own), before, "rear hose", "parted", said[2]);
+    say_failed(self, self->states, time + step, said[3]);
+    for (int n = 0; n < 4; ++n) {
         const size_t length = strlen(problem);
         if (*said[n]) print_text(problem + length, MESSAGE_SIZE - length, "%s%s", length ? " " : "", said[n]);
     }

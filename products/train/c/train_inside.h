@@ -194,4 +194,15 @@ int cab_advance(train *self, double step);
 void cab_press(const train *self, double *cylinder);
 void cab_outputs(train *self);
 
+/* Hoses of vehicles that are apart (hoses.c). */
+enum { HOSE_RUN = 2 }; /* variables of a run for each vehicle */
+double *hose_run(const train *self);
+void hoses_begin(train *self);
+/* The input of a hose has changed. */
+void hose_changed(train *self, long long int vehicle);
+/* The joint behind a vehicle, HOSE_STATE_WHOLE, ...: that of the last step's inputs, unless its hose or coupler has parted. */
+int hose_joint(const train *self, long long int vehicle);
+/* Parts and joins hoses by the present gaps, for a step; true if one has changed. */
+int hoses_look(train *self, double step);
+
 #endif

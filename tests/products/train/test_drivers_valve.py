@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -98,6 +99,71 @@ def test_a_hose_that_parts_brakes_both_parts() -> None:
     assert one.cylinder_pressure[4] > 0.9 * FULL
     # The valve at the head still feeds the pipe.
     assert one.pipe_pressure[0] > one.pipe_pressure[4]
+
+
+def parted_by(gap: float, *, hose: float = 0.0, faster: float = 0.0) -> Train:
+    """Return a train whose first five vehicles are ahead by a gap [m], and faster [m/s], with a shut driver's valve."""
+    one, motion = train(), train().motion
+    one.drive("shut-off")
+    one.inputs["coupling_closed"][4], one.inputs["hose_state"][4] = 0.0, hose
+    motion[0, :5] += gap
+    motion[1:3] += 5.0
+    motion[1:3, :5] += faster
+    one.motion = motion
+    return one
+
+
+def closed_up(one: Train, **inputs: float) -> None:
+    """Let the parts touch at rest, set inputs of the coupling between them, and charge the pipe for a minute."""
+    motion = one.motion
+    motion[0, :5] += motion[0, 5] - motion[0, 4]
+    motion[1:3], motion[3] = 0.0, train().motion[3]
+    one.motion = motion
+    for name, value in inputs.items():
+        one.inputs[name][4] = value
+    one.drive("running")
+    one.advance(60.0)
+
+
+def test_a_hose_parts_where_vehicles_separate_by_more_than_its_reach() -> None:
+    """At a difference of 2 m/s a gap of 1 m is there after 0.5 s; both pipes end at the air outside."""
+    one, again = parted_by(0.0, faster=2.0), train()
+    one.advance(0.45)
+    assert one.messages == []
+    assert one.pipe_pressure == pytest.approx(np.full(11, RUNNING), rel=1e-3)
+    one.advance(0.15)
+    [told] = one.messages
+    assert re.fullmatch(r"The rear hose of vehicle 5 parted at 0\.5\d s\.", told)
+    again.state = one.state
+    for each in (one, again):
+        each.inputs["hose_state"][4] = 0.0
+        each.advance(60.0)
+    assert np.array_equal(one.pipe_pressure, again.pipe_pressure)
+    assert again.messages == one.messages == [told]
+    assert np.abs(one.pipe_pressure).max() < 1e3
+    closed_up(one, coupling_closed=1.0)
+    assert one.pipe_pressure[5:].max() < 1e3  # no one has joined the hoses
+    one.inputs["hose_state"][4] = 2.0
+    one.advance(1.0)
+    closed_up(one, hose_state=0.0)
+    assert one.pipe_pressure[5:].min() > 0.5 * RUNNING
+
+
+@pytest.mark.parametrize("hose", [1.0, 2.0])
+def test_hoses_across_a_gap_are_joined_once_the_vehicles_touch(hose: float) -> None:
+    """A shut cock keeps the air of both parts; opened 10 m apart, it lets it out."""
+    one = parted_by(10.0, hose=hose)
+    one.advance(30.0)
+    assert one.pipe_pressure[5:].max() == pytest.approx(RUNNING if hose == 1.0 else 0.0, abs=1e3)
+    kept = one.state
+    one.inputs["hose_state"][4], one.inputs["coupling_closed"][4] = 0.0, 1.0
+    one.drive("running")
+    one.advance(30.0)
+    assert one.pipe_pressure[5:].max() < 5e3
+    one.state = kept
+    closed_up(one, coupling_closed=1.0, hose_state=0.0)
+    assert one.pipe_pressure[5:].min() > 0.5 * RUNNING
+    assert one.messages == []
 
 
 @pytest.mark.parametrize("where", [5, 10])

@@ -628,7 +628,8 @@ def test_locked_wheels_are_logged_and_the_same_in_python(version: int, fmus: dic
         assert any(re.match(r"The wheels of vehicle \d.* locked at \d", one) for one in host.slave.messages)
 
 
-def test_a_broken_coupler_is_logged_once(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("closed", "what"), [(1, "coupler of vehicle 1 broke"), (0, "hose of vehicle 1 parted")])
+def test_a_broken_coupler_and_a_torn_hose_are_logged_once(closed: int, what: str, tmp_path: Path) -> None:
     rows = [{"kind": "locomotive", "coupler_strength": 200.0}, {"kind": "wagon", "count": 2}]
     path = tmp_path / "breaks.fmu"
     write_in_c(train_fmu(consist_of(rows)), path, 3)
@@ -636,7 +637,8 @@ def test_a_broken_coupler_is_logged_once(tmp_path: Path) -> None:
     with host.slave:
         host.put("pull", [400e3, -200e3, -200e3])
         host.put("friction", [2.0] * 3)
+        host.put("coupling_closed", [closed, 1])
         host.go(40)
-        told = [one for one in host.slave.messages if "coupler" in one]
+        told = [one for one in host.slave.messages if "rear" in one]
     assert len(told) == 1
-    assert re.match(r"The rear coupler of vehicle 1 broke at 0\.\d+ s\.", told[0])
+    assert re.match(rf"The rear {what} at 0\.\d+ s\.", told[0])
