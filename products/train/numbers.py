@@ -148,6 +148,8 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
     head = {"vehicles": len(vehicles), "cells": len(lengths), "valves": len(valves), "points": len(level)}
     head |= {f"distributor_{kind.name}": kinds.count(kind) for kind in known}
     shares = {"courant": settings.courant, "share": settings.share, "propagation": settings.propagation}
+    if settings.brake_model == "delay":  # its pipe has no air flow
+        faces = [0] * len(faces)
     groups: dict[str, Rows] = {
         "head": head | shares | {"brake_model": BRAKE_MODELS[settings.brake_model], "pace": pace, "bound": bound},
         "cell": _cells(consist, settings, lengths, places),

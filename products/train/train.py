@@ -312,8 +312,10 @@ class Train:
             words = f"vehicle {place.value + 1} has a controller of its own, {OF_CONTROLLED[name]}"
             return f"inputs['{name}'][{place.value}] must be 0: {words}. Reset it, or leave out its protection."
         if name == "hose_state" and value in (1.0, 2.0):
-            cells = f"with {self.settings.cells:g} cells a vehicle"
-            return f"Leave inputs['hose_state'][{place.value}] at 0: {cells} there is no cock or hose; take one cell."
+            delay = self.settings.brake_model == "delay"
+            where = "in the brake model delay" if delay else f"with {self.settings.cells:g} cells a vehicle"
+            remedy = "another brake model" if delay else "one cell"
+            return f"Leave inputs['hose_state'][{place.value}] at 0: {where} there is no cock or hose; take {remedy}."
         if name == "driver_position" and value in (5.0, 6.0):
             return (
                 f"inputs['driver_position'][{place.value}] must be from 0 to 4, as service is by wire; got {value:g}. "

@@ -41,7 +41,7 @@ int hoses_look(train *self, double step) {
     const double *place = motion_place(self->moves);
     int changed = 0;
     for (long long int i = 0; i + 1 < self->vehicles; ++i) {
-        if (self->face[i] <= 0) continue; /* a cell spans the vehicles */
+        if (self->face[i] <= 0) continue; /* a cell spans the vehicles, or no air flows */
         if (motion_is_coupled(self->moves, i) && state_of(self)[i] == JOINED) continue;
         const double state = hose_at(self, i, place[i] - place[i + 1]);
         if (state == state_of(self)[i]) continue;

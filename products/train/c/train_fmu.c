@@ -164,7 +164,7 @@ static void say_wrong(const arrays_object *self, int input, long long int elemen
                       : input == IN_EXTERNAL_VEHICLE && train_detail_turning(self->own, element)
                           ? "This train computes the vehicle in detail: leave the input at 0."
                       : input == IN_EXTERNAL_VEHICLE ? "The sensor of its protection would show no slip: build it without."
-                                                     : "A cell of the pipe that spans vehicles has no cock and no hose.";
+                                                     : "A pipe whose cells span vehicles, or with a delay alone, has no hose.";
     print_text(problem, MESSAGE_SIZE, "%s[%lld] must be possible at its place; got %g. %s",
                ARRAYS_ABOUT[FIRST_INPUT + input].name, element + 1, values_of(self, FIRST_INPUT + input)[element], why);
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -323,10 +324,14 @@ def test_what_is_no_number_place_or_state_is_refused() -> None:
         Train(block_train(3), speed=float("nan"))
 
 
-def test_a_cock_where_a_coarse_pipe_has_none_is_refused() -> None:
-    one = train(6, cells=0.5)
+@pytest.mark.parametrize(
+    ("settings", "remedy"),
+    [({"cells": 0.5}, "one cell"), ({"brake_model": "delay", "cells": 1.0}, "another brake model")],
+)
+def test_a_cock_where_a_pipe_has_none_is_refused(settings: dict[str, Any], remedy: str) -> None:
+    one = train(6, **settings)
     one.inputs["hose_state"][0] = 1.0
-    with pytest.raises(ValueError, match="there is no cock or hose; take one cell"):
+    with pytest.raises(ValueError, match=f"there is no cock or hose; take {remedy}"):
         one.advance(1.0)
 
 
