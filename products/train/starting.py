@@ -66,7 +66,7 @@ class StartWatch:
 
 
 def _penalty(train: Train) -> str:
-    """Return the remedy for a penalty in force; empty: there is none."""
+    """Return the remedy for a penalty in force, empty without one."""
     valves = np.flatnonzero(train.penalty_applied).tolist()
     return (
         f"A penalty is in force at driver's valve {valves[0] + 1}: acknowledge it, or reset its input."
