@@ -54,7 +54,8 @@ def layout_of(
     parts = [(at, *name_and_unit(cell, place)) for at, cell in enumerate(cells) if cell]
     if any(column.as_written for column in columns):
         parts = [(at, *_as_written(name, unit, known, place)) for at, name, unit in parts]
-    meant = {at: _meant(name, known, place) for at, name, _ in parts}
+    row = [name for _, name, _ in parts]
+    meant = {at: _meant(name, known, place, row) for at, name, _ in parts}
     if by_position and not any(meant.values()):
         return columns_in_order(place, columns, [unit for _, _, unit in parts])
     found: dict[str, Place] = {}
@@ -85,21 +86,31 @@ def layout_of(
 def _as_written(name: str, unit: str, known: Mapping[str, Column], place: str) -> tuple[str, str]:
     """Return name and unit of a column whose unit may be behind its name, or in another case.
 
-    Brackets behind a column of words may have some of these.
+    A column of words may have some of these there, as Bremsart P/G/R.
     """
     column = _meant(name, known, place)
     if column is not None and column.holds_words and unit:
-        return name, "" if all(column.word_of(one) for one in re.split(r"[/,|;\s]+", unit)) else unit
+        return name, "" if _has_words(column, unit) else unit
     behind = BEHIND.fullmatch(name) if column is None and not unit else None
-    if behind and _meant(behind["name"], known, place) and unit_like(behind["unit"]):
+    before = _meant(behind["name"], known, place) if behind else None
+    if behind and before and (unit_like(behind["unit"]) or _has_words(before, behind["unit"])):
         return behind["name"], unit_like(behind["unit"])
     return name, unit_like(unit) or unit
 
 
-def _meant(name: str, known: Mapping[str, Column], place: str) -> Column | None:
-    """Return the column of a name: its own, a German or a French one; None if it is unknown. Raises TableError."""
+def _has_words(column: Column, text: str) -> bool:
+    """Return whether a text holds words of a column, with signs between them."""
+    return bool(column.words) and all(column.word_of(one) for one in re.split(r"[/,|;\s]+", text))
+
+
+def _meant(name: str, known: Mapping[str, Column], place: str, row: Sequence[str] = ()) -> Column | None:
+    """Return the column of a name: its own, a German or a French one; None if it is unknown. Raises TableError.
+
+    row: all names of the file, which decide on words of two columns.
+    """
     try:
-        return known.get(tidy(name)) or known.get(tidy(column_meant(name, [one.name for one in known.values()]) or ""))
+        meant = column_meant(name, [one.name for one in known.values()], row)
+        return known.get(tidy(name)) or known.get(tidy(meant or ""))
     except ValueError as error:
         raise TableError(f"{place}: {error}") from None
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from readers.text import quoted
@@ -30,6 +30,8 @@ _CURVES = {
     "preload": (("Vorspannkraft",), ("précontrainte",)),
     "stroke": (("Hub",), ("course maximale",)),
 }
+#: Words of the kind of a vehicle, and of its name beside another word of the kind.
+KIND_OR_NAME = (("Fahrzeug", "Fahrzeugtyp", "Wagentyp", "Typ"), ("véhicule",), ("vehicle",))
 Words = tuple[tuple[str, ...], ...]
 #: Words by name of the column: German, French, English.
 COLUMN_WORDS: dict[str, Words] = {
@@ -60,7 +62,11 @@ COLUMN_WORDS: dict[str, Words] = {
     "left": (("links",), ("gauche",)),
     "right": (("rechts",), ("droite",)),
     # Vehicles
-    "kind": (("Fahrzeugart", "Art", "Wagenart"), ("type de véhicule", "nature"), ("vehicle type", "car type", "type")),
+    "kind": (
+        ("Fahrzeugart", "Art", "Wagenart", *KIND_OR_NAME[0]),
+        ("type de véhicule", "nature", *KIND_OR_NAME[1]),
+        ("vehicle type", "car type", "type", *KIND_OR_NAME[2]),
+    ),
     "name": (
         ("Bezeichnung", "Wagennummer", "Wagen-Nr", "Fahrzeugnummer", "Fahrzeug-Nr"),
         ("nom", "désignation", "numéro de wagon", "numéro du véhicule"),
@@ -74,7 +80,7 @@ COLUMN_WORDS: dict[str, Words] = {
     ),
     "number": (("Nr", "lfd. Nr", "laufende Nummer", "Reihung"), ("n°", "numéro", "rang"), ("no", "pos")),
     "remark": (("Bemerkung", "Bemerkungen"), ("remarque", "observations"), ("remarks", "comment", "comments", "note")),
-    "class": (("Gattung", "Gattungszeichen"), ("série",)),
+    "class": (("Gattung", "Gattungszeichen", "Baureihe"), ("série",)),
     "train_type": (("Zugart",), ("type de train",)),
     "top_speed": (("Höchstgeschwindigkeit", "vmax"), ("vitesse maximale",), ("maximum speed", "max speed")),
     "tare": (
@@ -143,7 +149,7 @@ COLUMN_WORDS: dict[str, Words] = {
     "brake": (("Bremsbauart", "Bauart der Bremse"), ("type de frein",), ("brake type",)),
     "distributor": (("Steuerventil",), ("distributeur",)),
     "position": (
-        tuple(f"{word}{choice}" for word in ("Bremsstellung", "Bremsart") for choice in ("", " R/P/G", " P/G")),
+        ("Bremsstellung", "Bremsart", "Br-Art"),
         ("régime de freinage", "régime", "régime de frein"),
         ("brake position", "brake regime"),
     ),
@@ -156,7 +162,7 @@ COLUMN_WORDS: dict[str, Words] = {
     "traction_force": (("Zugkraft", "Anfahrzugkraft"), ("effort de traction",)),
     "traction_power": (("Antriebsleistung",), ("puissance de traction",)),
     "traction_table": (("Zugkraftkennlinie",), ("courbe d'effort de traction",)),
-    "magnetic_attraction": (("Haftkraft der Magnete",), ("force d'attraction des patins",)),
+    "magnetic_attraction": (("Haftkraft der Magnete", "Haftkraft", "Magnetkraft"), ("force d'attraction des patins",)),
     "eddy_force": (("Wirbelstrombremskraft",), ("effort du frein à courants de Foucault",)),
     "wheel_mass": (("Radmasse",), ("masse de roue",)),
     "wheels": (("Anzahl gebremster Räder",), ("nombre de roues freinées",)),
@@ -230,6 +236,12 @@ FALSE_FRIENDS = {
         for word in ("bremsgewicht", "masse_freinee", "brake_weight", "braked_weight")
         for position in ("p", "g", "r", "r_mg")
     },
+    **{
+        plain(f"{word} {side}"): f"Lines must have a factor on the friction here: Reibungsfaktor {side}."
+        for word in ("Reibwert", "Reibungszahl", "Reibbeiwert")
+        for side in ("links", "rechts")
+    },
+    "bauart": "It can be that of the vehicle or of its brake: Bezeichnung or Bremsbauart.",
     "reibradius": "A radius of pads must be a share of the wheel's here: friction_radius.",
     "gefaelle": "A fall must be a gradient here, which is positive upwards: Neigung.",
     "pente": "A fall must be a gradient here, which is positive upwards: déclivité.",
@@ -244,10 +256,18 @@ COLUMNS_OF = {
     for column in COLUMN_WORDS
     for word in words_of(column)
 }
+#: As `plain` returns them: words of KIND_OR_NAME, and other names of the kind.
+EITHER = {plain(word) for words in KIND_OR_NAME for word in words}
+CLEAR_KINDS = {"kind", *words_of("kind")} - EITHER
 
 
-def column_meant(name: str, known: Collection[str]) -> str | None:
-    """Return the known column that a word means as a name, or None. Raises ValueError if it means several."""
+def column_meant(name: str, known: Collection[str], row: Iterable[str] = ()) -> str | None:
+    """Return the known column that a word means as a name, or None. Raises ValueError if it means several.
+
+    row: all names of the table; beside a kind, a word of KIND_OR_NAME is the name.
+    """
+    if "name" in known and plain(name) in EITHER and CLEAR_KINDS & set(map(plain, row)):
+        return "name"
     found = [column for column in COLUMNS_OF.get(plain(name), ()) if column in known]
     if len(found) > 1:
         raise ValueError(f"the name {quoted(name)} can be {' or '.join(found)}. Write one of these.")
@@ -262,8 +282,9 @@ def with_columns(
     Adds a message to the notes for each name that is read as another. Raises ValueError if a column is named twice.
     """
     found: dict[str, Any] = {}
+    row = [name for name in table if isinstance(name, str)]
     for name, value in table.items():
-        column = name if name in known or not isinstance(name, str) else column_meant(name, known) or name
+        column = name if name in known or not isinstance(name, str) else column_meant(name, known, row) or name
         if column in found:
             raise ValueError(
                 f"{column} must be given once; it is there twice, also as {quoted(str(name))}. Remove one."

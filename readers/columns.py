@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.column_words import plain
+from readers.column_words import EITHER, plain
 from readers.decimal_numbers import MINUS, NUMBER
 from readers.text import FileError, quoted, shown
 from readers.units import AMBIGUOUS, different_units, factor, quantity_of, unit_like
@@ -203,9 +203,16 @@ class Cells:
                 limit = f"the text must be printable, at most {self.column.longest} characters"
                 raise self.refusal(row, f"{limit}; got {quoted(cell)}. Shorten it.")
             if not self.column.text and self.column.word_of(cell) is None and (cell or self.column.filled):
-                remedy = dict(self.column.remedies).get(plain(cell), "Choose one.")
+                remedy = dict(self.column.remedies).get(plain(cell), self._choose)
                 raise self.refusal(row, f"the value must be one of {', '.join(choice)}; got {quoted(cell)}. {remedy}")
         return [self.column.word_of(cell) or cell for cell in cells]
+
+    @property
+    def _choose(self) -> str:
+        """Return the remedy for a word that is not allowed."""
+        if plain(self.place.word) not in EITHER:
+            return "Choose one."
+        return f"Choose one, or add a column {self.column.name}: {quoted(self.place.word)} is then the name."
 
     def numbers(self, cells: Sequence[str], mark: DecimalMark) -> NDArray[np.float64]:
         """Return the numbers of the column in its unit. Raises TableError if one is not valid."""

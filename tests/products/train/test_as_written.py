@@ -26,7 +26,9 @@ SHEETS = {
     "wagon,80,14.04,58,G\n",
     "German": "\ufeffNr;Art;Gewicht;Bremsgewicht;Bremsart R/P/G;Länge\n1;Lokomotive;84;80;P;19,1\n"
     "2;Reisezugwagen;46,5;62;R;26,4\n3;Wagen;80;58;G;14,04\n",
-    "units in cells": "Fahrzeugart;Achsen;Gewicht;Bremsgewicht;Bremsstellung;LüP\nLOK;4;84 t;80000 kg;p;19,1 m\n"
+    "heads as on sheets": "Baureihe;Art;Gewicht;Bremsgewicht;Br-Art P/G/R;Länge\n103;Lok;84;80;P;19,1\n"
+    "Bm;Sitzwagen;46,5;62;R;26,4\nEaos;Wagen;80;58;G;14,04\n",
+    "units in cells": "Fahrzeug;Achsen;Gewicht;Bremsgewicht;Bremsstellung;LüP\nLOK;4;84 t;80000 kg;p;19,1 m\n"
     "reisezugwagen;4;46500 kg;62t;r;2640 cm\nGüterwagen;4;80 T;58 t;g;14,04\n",
     "units behind": "Art;Masse in kg;Bremsgewicht/t;Bremsart (R/P/G);Länge_m;Bemerkung\nLok;84000;80;P;19,1;\n"
     "Personenwagen;46500;62;R;26,4;neu\nWagen;80000;58;G;14,04;\n",
@@ -69,10 +71,22 @@ def test_rows_with_words_of_people_are_written_with_the_names_of_columns(tmp_pat
     assert "Read 'Art' as kind, " in "".join(summary_of(consist_of(rows), ()).remarks)
 
 
+def test_a_vehicle_is_a_name_beside_its_kind(tmp_path: Path) -> None:
+    (tmp_path / "train.csv").write_text("Fahrzeug;Art\nE-Lok 103;Lok\nBm 234;Sitzwagen\n")
+    rows = [{"Fahrzeug": "E-Lok 103", "Art": "Lok"}, {"Fahrzeug": "Bm 234", "Art": "Sitzwagen"}]
+    for consist in (read_consist(tmp_path / "train.csv"), consist_of(rows)):
+        assert [(one.name, one.kind) for one in consist.vehicles] == [("E-Lok 103", "locomotive"), ("Bm 234", "coach")]
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
         ("Art;Gewicht\nTriebwagen;40\n", "Write coach, and state its motors and its brake"),
+        (
+            "Fahrzeug;Gewicht\nE-Lok 103;84\n",
+            "'E-Lok 103'. Choose one, or add a column kind: 'Fahrzeug' is then",
+        ),
+        ("Bauart;Gewicht\nLok;84\n", "can be that of the vehicle or of its brake: Bezeichnung or Bremsbauart"),
         ("kind,mass [tons]\nlocomotive,90\n", r"the unit 'tons' of mass can be several. Write t, or t-us"),
         ("kind,mass\nlocomotive,90 tons\n", r"column mass: the unit 'tons' of mass can be several"),
         ("kind,mass\nlocomotive,90 bar\n", "the unit 'bar' of mass is of another quantity"),
