@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
-from readers.column_words import column_meant, false_friend
+from readers.column_words import column_meant, false_friend, nearest
 from readers.columns import Column, Place, TableError, unit_factor
 from readers.text import BLANK, LONGEST_ROW, quoted, shown
 from readers.units import unit_like
 
-#: Likeness of names from which a message suggests one: below it are other words, such as valve for axle.
-ALIKE = 0.8
 #: The most names of columns that a message lists.
 MOST_NAMES = 20
 #: Further columns whose cells may be anything, as they are not used.
@@ -62,7 +59,8 @@ def layout_of(
     for at, name, unit in parts:
         column = meant[at]
         if column is None and not others:
-            raise TableError(f"{place}: the column {quoted(name)} is unknown. {advice(name, known, columns)}")
+            remedy = advice(name, [one.name for one in columns])
+            raise TableError(f"{place}: the column {quoted(name)} is unknown. {remedy}")
         if column is None and others == TEXT:
             column, unit = Column(name, filled=False, text=True, longest=LONGEST_ROW), ""
         column = column or Column(name, unit or "1")
@@ -127,13 +125,9 @@ def name_and_unit(cell: str, place: str) -> tuple[str, str]:
     return name, unit
 
 
-def advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
-    """Return the end of the message for an unknown column: the nearest of the known tidy names, or the first."""
-    if sentence := false_friend(name):
+def advice(name: str, names: Sequence[str]) -> str:
+    """Return the end of the message for an unknown column: the nearest name or word, or the first names."""
+    if sentence := false_friend(name) or nearest(name, names):
         return sentence
-    near = difflib.get_close_matches(tidy(name)[:100], list(known), 1, ALIKE)
-    if near:
-        return f"Did you mean {near[0]}?"
-    names = [column.name for column in columns]
     more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
     return f"Columns are {', '.join(names[:MOST_NAMES])}{more}."

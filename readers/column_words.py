@@ -9,6 +9,7 @@ metres. Words in cells: `cell_words.py`.
 
 from __future__ import annotations
 
+import difflib
 import re
 import unicodedata
 from collections.abc import Collection, Iterable, Mapping
@@ -16,6 +17,8 @@ from typing import Any
 
 from readers.text import quoted
 
+#: Likeness of names from which a message suggests one: below it are other words, such as valve for axle.
+ALIKE = 0.8
 _DEVICES = {
     "buffer": (("Puffer",), ("tampon",)),
     "draw": (("Zugeinrichtung",), ("organe de traction",)),
@@ -298,6 +301,14 @@ def with_columns(
 def read_as(name: str, column: str) -> str:
     """Return the message of an account about a name that is read as a column."""
     return f"column {quoted(name)} is read as {column}"
+
+
+def nearest(name: str, known: Collection[str]) -> str:
+    """Return the remedy for a name that is like a column or a word of one, or nothing."""
+    words = {plain(word): word for column in known for of in COLUMN_WORDS.get(column, ()) for word in of}
+    words |= {plain(column): column for column in known}
+    near = difflib.get_close_matches(plain(name)[:100], list(words), 1, ALIKE)
+    return f"Did you mean {words[near[0]]}?" if near else ""
 
 
 def false_friend(name: str) -> str:

@@ -18,15 +18,14 @@ from brake_controller.electric_brake import BLENDINGS
 from brake_controller.parking_brake import COMPOUNDING
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from brake_controller.vigilance import PENALTIES
-from fmu_src.suggestion import suggestion
 from products.train.cell_tables import CELL_TABLES
 from products.train.consist import KINDS, LONGEST_VEHICLE
 from products.train.notches import handles
 from rbd_model.train.adhesion import ADHESIONS
 from rbd_model.train.coupler import COUPLERS
 from readers.cell_words import SEVERAL, spellings
-from readers.column_names import ALIKE
-from readers.column_words import false_friend, plain, with_columns
+from readers.column_names import advice
+from readers.column_words import plain, with_columns
 from readers.columns import LONGEST_TEXT, Column, word_read_as
 from readers.quantity import Quantity, by_name
 from readers.text import LONGEST_ROW, quoted, shown
@@ -275,8 +274,7 @@ def values_of(
         elif name in NUMBERS:
             found[name] = NUMBERS[name].read(value)
         else:
-            remedy = false_friend(str(name)) or suggestion(str(name), (*NAMES, *IDLE), likeness=ALIKE)
-            raise ValueError(f"the name {quoted(str(name))} is unknown; {remedy}")
+            raise ValueError(f"the name {quoted(str(name))} is unknown. {advice(str(name), (*NAMES, *IDLE))}")
     if "kind" not in found:
         raise ValueError(f"a vehicle must have a kind, one of {', '.join(KINDS)}. Add it.")
     return found

@@ -22,7 +22,7 @@ def checked_rows(rows: Mapping[str, ArrayLike]) -> dict[str, Numbers]:
         raise TypeError(f"A line must have columns by name, such as distance; got a {type(rows).__name__}. Name them.")
     for name in rows:
         if name not in COLUMNS:
-            raise KeyError(f"A line has no column {quoted(str(name))}. {advice(str(name), COLUMNS, LINE.columns)}")
+            raise KeyError(f"A line has no column {quoted(str(name))}. {advice(str(name), list(COLUMNS))}")
     if "distance" not in rows:
         raise ValueError("A line must have the column distance; it is missing. Add it.")
     found = {name: _numbers(name, values) for name, values in rows.items()}

@@ -86,6 +86,7 @@ def test_a_vehicle_is_a_name_beside_its_kind(tmp_path: Path) -> None:
             "Fahrzeug;Gewicht\nE-Lok 103;84\n",
             "'E-Lok 103'. Choose one, or add a column kind: 'Fahrzeug' is then",
         ),
+        ("Art;Bremsgewichte\nLok;84\n", "'Bremsgewichte' is unknown. Did you mean Bremsgewicht"),
         ("Bauart;Gewicht\nLok;84\n", "can be that of the vehicle or of its brake: Bezeichnung or Bremsbauart"),
         ("kind,mass [tons]\nlocomotive,90\n", r"the unit 'tons' of mass can be several. Write t, or t-us"),
         ("kind,mass\nlocomotive,90 tons\n", r"column mass: the unit 'tons' of mass can be several"),

@@ -194,7 +194,7 @@ BAD: dict[str, tuple[str, str | bytes, str]] = {
     "a name that is none in TOML": (
         "a.toml",
         "[[vehicle]]\nkind = 'locomotive'\nlenght = 20\n",
-        "vehicle 1: the name 'lenght' is unknown; did you mean length?",
+        "vehicle 1: the name 'lenght' is unknown. Did you mean length?",
     ),
     "a list in TOML": (
         "a.toml",
