@@ -32,6 +32,11 @@ OF_BRAKE = {
     *(*FORCE, "friction", "friction_table", "brake", "full_pressure", "fill_time", "release_time", "auxiliary"),
     *("cylinder", "rotating", "resistance_a", "resistance_b", "resistance_c", "blending"),
 }
+#: Note on wheel brakes below the least percentage that a row may state.
+MAGNETS_ALONE = (
+    "magnets of a vehicle with position = R+Mg have nearly all of its {:.3g} %, so its wheel brakes have almost none. "
+    "Increase brake_weight, or decrease magnetic_attraction"
+)
 
 
 def vehicle_of(
@@ -55,6 +60,8 @@ def vehicle_of(
         one = replace(one, brake=braked_with(0.0))
     elif OF_BRAKE & set(values) or isinstance(one.distributor, VacuumBrake):  # not sized for the pressure of air
         one = replace(one, brake=brake_of(values, one))
+    if values.get("position") == "R+Mg" and "lambda" in values and one.percentage < FORCE["lambda"].least:
+        notes[MAGNETS_ALONE.format(values["lambda"])] = None
     one = replace(one, electric=electric_of(values, one.distributor), heat=heat_of(values, one.brake))
     one = replace(one, traction=traction_of(values), adhesion=values.get("adhesion", "input"))
     controller = values.get("protection", NOTHING)

@@ -128,6 +128,7 @@ _RIGGING = ("cylinders", "rigging_ratio", "rigging_efficiency", "return_force")
 _VALUED = ("friction = constant", "friction = speed")
 _LAWS, _AT_SPEED = tuple(f"friction = {friction}" for friction in FRICTIONS), ("friction = speed",)
 _OTHER_LAWS = tuple(f"friction = {one}" for one in (*FRICTIONS, *FORCELESS) if one != "constant")
+_MAGNETS = "the attraction of all magnets: four of 40 kN have 160 kN, and 35 to 70 kN each are reported"
 _TWICE = f"{WITHOUT}, which has the forces. {LEAVE_ONE}"
 _TOGETHER = "friction_ratio and friction_decay must come together: one alone has no effect. Give both."
 _NO_PIPE = "{name} must be of a brake that the pipe controls; got {other}. Leave blending out, or take another."
@@ -153,7 +154,7 @@ RULES: tuple[Rule, ...] = (
     needs(_RIGGING, ["cylinder_diameter"], f"{WITH}. Add {{others}}, or leave {{name}} out."),
     needs(["cylinder_diameter"], ["rigging_ratio"], ADD),
     needs(_RAPID, STATEMENTS, "{name} must come with its force: it fills as P. Add brake_weight or lambda."),
-    needs(["position = R+Mg"], ["magnetic_attraction"], "{name} must come with {others}. Add it, or write R."),
+    needs(["position = R+Mg"], ["magnetic_attraction"], f"{WITH}, {_MAGNETS}. Add it, or write R."),
     excludes(["weighing"], STATEMENTS, f"{WITHOUT}, which is that of the load. Leave it out."),
     excludes(
         _OTHER_LAWS,

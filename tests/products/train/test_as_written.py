@@ -71,6 +71,13 @@ def test_rows_with_words_of_people_are_written_with_the_names_of_columns(tmp_pat
     assert "Read 'Art' as kind, " in "".join(summary_of(consist_of(rows), ()).remarks)
 
 
+def test_magnets_that_have_the_brake_weight_alone_are_told() -> None:
+    coach = {"kind": "coach", "mass": 49.5, "position": "R+Mg", "magnetic_attraction": 160}
+    for weight, is_told in ((20, True), (90, False)):
+        notes = consist_of([HEAD, coach | {"brake_weight": weight}]).notes
+        assert any("wheel brakes have almost none" in note for note in notes) == is_told
+
+
 def test_a_vehicle_is_a_name_beside_its_kind(tmp_path: Path) -> None:
     (tmp_path / "train.csv").write_text("Fahrzeug;Art\nE-Lok 103;Lok\nBm 234;Sitzwagen\n")
     rows = [{"Fahrzeug": "E-Lok 103", "Art": "Lok"}, {"Fahrzeug": "Bm 234", "Art": "Sitzwagen"}]
@@ -97,7 +104,7 @@ def test_a_vehicle_is_a_name_beside_its_kind(tmp_path: Path) -> None:
         ("kind,tare,load,mass\nwagon,20,60,90\n", "mass must be tare and load, 80 t; got 90 t"),
         ("kind,tare\nwagon,20\n", "tare must come with load or mass"),
         ("kind,position\nlocomotive,R\n", "position = R must come with its force"),
-        ("kind,position,brake_weight\nlocomotive,R+Mg,80\n", "R.Mg must come with magnetic_attraction"),
+        ("kind,position,brake_weight\nlocomotive,R+Mg,80\n", "R.Mg must come with magnetic_attraction, .*160 kN"),
         ("kind,friction,shoe_force\nlocomotive,Grauguss,80\n", "Write cast-iron-p6 or cast-iron-p10"),
         ("kind,Gewicht,Masse\nlocomotive,80,80\n", "it is there twice, as 'Gewicht' and 'Masse'"),
         ("kind,distributor,weighing\nwagon,aar,lever\n", "weighing must be left out with distributor = aar"),
