@@ -116,6 +116,12 @@ class Place:
         return bool(inside and (not self.column.whole or np.all(values == np.floor(values))))
 
 
+def number_and_unit(cell: str) -> tuple[str, str]:
+    """Return the number of a cell and the unit behind it, or the cell and no unit."""
+    match = None if NUMBER.fullmatch(cell) else WITH_UNIT.fullmatch(cell)
+    return (match["number"], match["unit"].strip()) if match else (cell, "")
+
+
 def word_read_as(cell: str, name: str, word: str) -> str:
     """Return the message of an account about a cell that is read as another word."""
     return f"{quoted(cell)} is read as {name} = {word}"
@@ -222,16 +228,25 @@ class Cells:
         values = self.place.converted(values)
         low, high = self.column.minimum, self.column.maximum
         for row in np.flatnonzero((values < low) | (values > high))[:1].tolist():
-            got = f"{quoted(cells[row])}{self._unit(self.place.factor)}"
-            bare = self.place.factor == (1.0, 1.0)
-            likely = likely_unit(float(values[row]), self.column.unit, low, high) if bare else ""
-            raise self.refusal(
-                row, f"the value must be {self._limits()}; got {got}.{likely or ' Check value and unit.'}"
-            )
+            got = f"{quoted(cells[row])}{self._unit_of(cells[row])}"
+            likely = self._likely(cells[row], float(values[row])) or " Check value and unit."
+            raise self.refusal(row, f"the value must be {self._limits()}; got {got}.{likely}")
         parts = ~np.isnan(values) & (values != np.floor(values)) & self.column.whole
         for row in np.flatnonzero(parts)[:1].tolist():
             raise self.refusal(row, f"the value must be an integer; got {quoted(cells[row])}. Round it.")
         return values
+
+    def _likely(self, cell: str, value: float) -> str:
+        """Return the end of a message about a value outside of the limits: what was likely meant, or nothing."""
+        column, (number, unit) = self.column, number_and_unit(cell.replace(MINUS, "-"))
+        if THOUSANDS.fullmatch(number) and column.minimum <= 1e3 * value <= column.maximum:
+            mark, whole = ("comma", "point")["." in number], re.sub("[.,]", "", number)
+            return f" The {mark} is read as a decimal mark. Did you mean {f'{whole} {unit}'.strip()}?"
+        if not unit and self.place.factor == (1.0, 1.0):
+            return likely_unit(value, column.unit, column.minimum, column.maximum)
+        bare = float(number.replace(",", "."))
+        fits = column.minimum <= bare <= column.maximum and column.unit != "1"
+        return f" Did you mean {bare:g} {column.unit}?" if fits else ""
 
     def _plain(self, cells: Sequence[str], mark: DecimalMark) -> NDArray[np.float64] | None:
         """Return the values where every cell is a number with a point, the quick way; None where one is not."""
@@ -268,15 +283,14 @@ class Cells:
 
     def _parts(self, row: int, cell: str) -> tuple[str, tuple[float, float]]:
         """Return the number of a cell, and the factor of a unit behind it to the unit of the file."""
-        match = WITH_UNIT.fullmatch(cell) if self.column.as_written else None
-        if match is None:
+        number, unit = number_and_unit(cell) if self.column.as_written else (cell, "")
+        if not unit:
             return cell, (1.0, 1.0)
-        unit = match["unit"].strip()
         try:
             up, down = unit_factor(self.column, unit_like(unit) or unit, self.source)
         except TableError as error:
             raise self.refusal(row, str(error).removeprefix(f"{self.source}: ")) from None
-        return match["number"], (up * self.place.factor[1], down * self.place.factor[0])
+        return number, (up * self.place.factor[1], down * self.place.factor[0])
 
     def _limits(self) -> str:
         low, high, unit = self.column.minimum, self.column.maximum, self._of_unit(self.column.unit)
@@ -284,7 +298,11 @@ class Cells:
             return f"at least {low:g}{unit}"
         return f"from {low:g} to {high:g}{unit}"
 
-    def _unit(self, both: tuple[float, float]) -> str:
+    def _unit_of(self, cell: str) -> str:
+        """Return the unit of a cell as a message has it; nothing if it is in the cell."""
+        both = self.place.factor
+        if number_and_unit(cell.replace(MINUS, "-"))[1]:
+            return ""
         if both != (1.0, 1.0):
             return f", in the file's unit, 1 of which is {both[0] / both[1]:g}{self._of_unit(self.column.unit)}"
         return self._of_unit(self.column.unit)

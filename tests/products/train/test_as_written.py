@@ -28,7 +28,7 @@ SHEETS = {
     "2;Reisezugwagen;46,5;62;R;26,4\n3;Wagen;80;58;G;14,04\n",
     "heads as on sheets": "Baureihe;Art;Gewicht;Bremsgewicht;Br-Art P/G/R;Länge\n103;Lok;84;80;P;19,1\n"
     "Bm;Sitzwagen;46,5;62;R;26,4\nEaos;Wagen;80;58;G;14,04\n",
-    "units in cells": "Fahrzeug;Achsen;Gewicht;Bremsgewicht;Bremsstellung;LüP\nLOK;4;84 t;80000 kg;p;19,1 m\n"
+    "units in cells": "Fahrzeug;Achsen;Gewicht;Bremsgewicht;Bremsstellung;LüP\nLOK;4;8,4e1;80000 kg;p;19,1 m\n"
     "reisezugwagen;4;46500 kg;62t;r;2640 cm\nGüterwagen;4;80 T;58 t;g;14,04\n",
     "units behind": "Art;Masse in kg;Bremsgewicht/t;Bremsart (R/P/G);Länge_m;Bemerkung\nLok;84000;80;P;19,1;\n"
     "Personenwagen;46500;62;R;26,4;neu\nWagen;80000;58;G;14,04;\n",
@@ -98,6 +98,12 @@ def test_a_vehicle_is_a_name_beside_its_kind(tmp_path: Path) -> None:
         ("kind,mass [tons]\nlocomotive,90\n", r"the unit 'tons' of mass can be several. Write t, or t-us"),
         ("kind,mass\nlocomotive,90 tons\n", r"column mass: the unit 'tons' of mass can be several"),
         ("kind,mass\nlocomotive,90 bar\n", "the unit 'bar' of mass is of another quantity"),
+        (
+            "Art;Gewicht\nLok;84.000 kg\n",
+            r"got '84.000 kg'. The point is read as a decimal mark. Did you mean 84000 kg",
+        ),
+        ("Art;Gewicht kg\nLok;84,000\n", r"1 of which is 0.001 t. The comma is read as .* Did you mean 84000\?"),
+        ("Art;Gewicht [kg]\nLok;50,2\n", r"1 of which is 0.001 t. Did you mean 50.2 t\?"),
         ("Art;Gewicht\nLok;84000\n", r"Did you mean 84000 kg = 84 t"),
         ("kind,mass,lambda,brake_weight\nlocomotive,84,90,80\n", r"lambda must be brake_weight over mass, 95.24 %"),
         ("kind,mass,brake_weight\nlocomotive,84,300\n", "brake_weight must be 5 to 250 % of the mass of 84 t"),
