@@ -9,6 +9,8 @@ from __future__ import annotations
 
 #: Ratio of a loaded and of an empty car that states no force [%]: those of ALTRIOS' car (NREL), within the limits.
 LOADED, EMPTY = 11.0, 25.0
+#: Least and largest ratio of a loaded and of an empty car [%] (AAR S-401).
+LOADED_LIMITS, EMPTY_LIMITS = (8.5, 14.0), (15.0, 38.0)
 #: Shoes of a car, one for each of eight wheels (AAR S-400). Their friction is that of the composite blocks of a wagon,
 #: assumed.
 SHOES = 8

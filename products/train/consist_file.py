@@ -16,6 +16,7 @@ from products.train.consist_columns import MOST, columns
 from products.train.consist_row import vehicle_of
 from products.train.coupler_tables import couplers_of
 from products.train.layout import MOST_VALVES
+from products.train.row_statements import assumed_brakes
 from products.train.vacuum_trains import with_vacuum
 from rbd_model.train.coupler import Coupler
 from readers.tables import read_table
@@ -80,10 +81,12 @@ def consist_of(
     heads: list[str] = []
     notes: dict[str, None] = {}
     stated: list[Mapping[str, Any]] = []
+    by_place: dict[str, Mapping[str, Any]] = {}
     for number, row in enumerate(rows):
         place = places[number] if places else f"row {number + 1}"
         try:
             one, values = vehicle_of(row, own, notes)
+            by_place[place] = values
             heads += [place] if one.leads else []
             vehicles += [one] * int(values.get("count", 1))
             stated += [values] * int(values.get("count", 1))
@@ -106,7 +109,7 @@ def consist_of(
     valves = sum(one.valve is not None for one in led)
     if valves > MOST_VALVES:
         raise ValueError(f"{name} must have at most {MOST_VALVES} driver's valves; it has {valves}. Take fewer.")
-    return Consist(tuple(led), tuple(notes))
+    return Consist(tuple(led), (*notes, *assumed_brakes(by_place)))
 
 
 def _with_head(vehicles: list[TrainVehicle], name: str) -> list[TrainVehicle]:

@@ -12,9 +12,9 @@ from typing import Any
 from brake_controller.distributors import distributors
 from brake_controller.distributors.aar import FreightCar
 from brake_controller.net_braking_ratio import EMPTY as EMPTY_RATIO
+from brake_controller.net_braking_ratio import EMPTY_LIMITS, LOADED_LIMITS, SHOES, shoe_force
 from brake_controller.net_braking_ratio import LOADED as LOADED_RATIO
-from brake_controller.net_braking_ratio import SHOES, shoe_force
-from products.train.consist import EMPTY, EMPTY_UP_TO
+from products.train.consist import EMPTY, EMPTY_UP_TO, PERCENTAGE
 from products.train.consist_columns import FORCE
 from rbd_model.train.vehicle import GRAVITY
 
@@ -27,6 +27,8 @@ STATEMENTS = (
 LOAD = 60.0
 #: Positions whose times are those of another one (UIC 540).
 FILLED_AS = {"R": "P", "R+Mg": "P"}
+#: Largest number of rows that a note lists.
+MOST_PLACES = 10
 #: Largest difference of masses and of brake weights that are rounded to tonnes: of three numbers, and of one [t]; of a
 #: percentage that is rounded [%].
 ROUNDED_MASSES, ROUNDED_WEIGHT, ROUNDED_PERCENTAGE = 1.5, 0.5, 0.5
@@ -106,11 +108,28 @@ def resolved(values: Row, notes: dict[str, None]) -> dict[str, Any]:
     mass = mass_of(found)
     if ratio is None and is_american(found) and not set(STATEMENTS) & found.keys():
         ratio, mass = _assumed_ratio(found, mass, notes)
+    elif ratio is not None and is_american(found):
+        notes |= dict.fromkeys(_unusual_ratio(ratio, mass))
     if ratio is not None:
         found["shoe_force"] = 1e-3 * shoe_force(ratio, 1e3 * mass * GRAVITY)
         if is_american(found):
             found.setdefault("shoes", SHOES)
     return found
+
+
+def assumed_brakes(rows: Mapping[str, Row]) -> list[str]:
+    """Return the note on brakes that some rows leave to their kind, where others state a percentage; rows by place."""
+    if not any("lambda" in values for values in rows.values()):
+        return []
+    without = [
+        (place, values["kind"])
+        for place, values in rows.items()
+        if values.get("brake") != "none" and not set(STATEMENTS) & values.keys()
+    ]
+    named = [f"{place} ({kind}{f', {PERCENTAGE[kind]:g} %' if kind in PERCENTAGE else ''})" for place, kind in without]
+    more = f" and {len(named) - MOST_PLACES} more" if len(named) > MOST_PLACES else ""
+    text = f"brakes without a stated force are assumed as those of the kind: {', '.join(named[:MOST_PLACES])}{more}"
+    return [f"{text}. State brake_weight, 0 if there is no brake"] if named else []
 
 
 def percentage_of(weight: float, mass: float) -> float:
@@ -122,6 +141,17 @@ def percentage_of(weight: float, mass: float) -> float:
             "Check both."
         )
     return percentage
+
+
+def _unusual_ratio(ratio: float, mass: float) -> list[str]:
+    """Return the note on a net braking ratio [%] outside of the limits of AAR for a car of a mass [t], if it is."""
+    about, limits = ("loaded", LOADED_LIMITS) if mass > 1e-3 * EMPTY_UP_TO else ("empty", EMPTY_LIMITS)
+    if limits[0] <= ratio <= limits[1]:
+        return []
+    return [
+        f"a net braking ratio of {ratio:g} % is unusual for a car of {mass:.4g} t: AAR has {limits[0]:g} to "
+        f"{limits[1]:g} % {about}. Check net_braking_ratio"
+    ]
 
 
 def _assumed_ratio(values: Row, mass: float, notes: dict[str, None]) -> tuple[float, float]:
@@ -137,7 +167,7 @@ def _assumed_ratio(values: Row, mass: float, notes: dict[str, None]) -> tuple[fl
         about = f"of a loaded car of {mass:g} t, times empty_load"
     notes[
         f"a wagon with distributor = {values['distributor']} that states no force has a net braking ratio of "
-        f"{ratio:.3g} % {about}, assumed; AAR has 11 to 14 % loaded, 15 to 38 % empty. State net_braking_ratio, or "
-        "another force"
+        f"{ratio:.3g} % {about}, assumed; AAR has {LOADED_LIMITS[0]:g} to {LOADED_LIMITS[1]:g} % loaded, "
+        f"{EMPTY_LIMITS[0]:g} to {EMPTY_LIMITS[1]:g} % empty. State net_braking_ratio, or another force"
     ] = None
     return ratio, mass

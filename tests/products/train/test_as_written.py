@@ -78,6 +78,20 @@ def test_magnets_that_have_the_brake_weight_alone_are_told() -> None:
         assert any("wheel brakes have almost none" in note for note in notes) == is_told
 
 
+def test_brakes_that_some_rows_leave_to_their_kind_are_told() -> None:
+    rows = [{"kind": "locomotive"}, {"kind": "coach", "brake_weight": 62}, {"kind": "wagon", "brake_weight": 0}]
+    assert "row 1 (locomotive, 85 %). State brake_weight" in consist_of(rows).notes[-1]
+    assert not consist_of([rows[0] | {"lambda": 90}, *rows[1:]]).notes
+    assert not consist_of([rows[0], {"kind": "coach"}]).notes  # nothing is stated: the train of the defaults
+
+
+def test_a_ratio_outside_of_the_limits_of_aar_is_told() -> None:
+    car = {"kind": "wagon", "distributor": "aar"}
+    for mass, ratio, is_told in ((119, 8.5, False), (119, 45, True), (27, 14, True), (27, 38, False)):
+        notes = consist_of([HEAD, car | {"mass": mass, "net_braking_ratio": ratio}]).notes
+        assert any("is unusual for a car" in note for note in notes) == is_told
+
+
 def test_a_vehicle_is_a_name_beside_its_kind(tmp_path: Path) -> None:
     (tmp_path / "train.csv").write_text("Fahrzeug;Art\nE-Lok 103;Lok\nBm 234;Sitzwagen\n")
     rows = [{"Fahrzeug": "E-Lok 103", "Art": "Lok"}, {"Fahrzeug": "Bm 234", "Art": "Sitzwagen"}]
