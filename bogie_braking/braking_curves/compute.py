@@ -25,6 +25,7 @@ from products.supervision import (
     supervise,
     without_effect,
 )
+from rbd_model.track.line import FRICTIONS, Line
 from rbd_model.track.line_files import line_from_file
 from readers.text import BadInputError
 
@@ -58,11 +59,24 @@ class CurveResults:
     many: Curves  # over speeds of the curves
     stops: list[OwnStop]  # from EBI at the speeds of the table
     gradients: Gradients
-    covered: tuple[float, float] | None  # places where the rows of the line begin and end [m]; None: level
+    line: Line | None  # None: level
     moves: tuple[Move, ...]  # what --rounded changed in train data and national values
     shifts: tuple[LimitShift, ...]  # what --rounded changed in the limits
     release_speed: float | None  # [m/s]; None without a supervised location behind the target
     without_effect: list[str]  # national values that change no limit of the train, with the reasons
+
+    @property
+    def covered(self) -> tuple[float, float] | None:
+        """Return the places where the rows of the line begin and end [m], None without a line."""
+        return (
+            None if self.line is None else (float(self.line.rows["distance"][0]), float(self.line.rows["distance"][-1]))
+        )
+
+    @property
+    def least_friction(self) -> float:
+        """Return the least factor of the line on the friction of a rail."""
+        rows = {} if self.line is None else self.line.rows
+        return min((float(rows[name].min()) for name in FRICTIONS if name in rows), default=1.0)
 
     @property
     def ends(self) -> float:
@@ -123,10 +137,8 @@ def compute(chosen: argparse.Namespace) -> CurveResults:
     if chosen.beyond:
         release = release_speed(data.train, chosen.beyond, place=chosen.target, national=country, **common)
     silent = without_effect(data.train, country, chosen.slippery)
-    covered = None if line is None else (float(line.rows["distance"][0]), float(line.rows["distance"][-1]))
-    return CurveResults(
-        chosen, data, country, kind, few, many, stops, common["gradients"], covered, moves, shifts, release, silent
-    )
+    gradients = common["gradients"]
+    return CurveResults(chosen, data, country, kind, few, many, stops, gradients, line, moves, shifts, release, silent)
 
 
 def _check_speeds(chosen: argparse.Namespace, largest: float) -> None:

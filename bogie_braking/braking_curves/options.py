@@ -58,7 +58,7 @@ def _add_target(parser: argparse.ArgumentParser) -> None:
     beyond = quantity("--beyond", "m", 0.0, 1e4)
     text = "distance of the supervised location behind the end of authority (default: 0)"
     parser.add_argument("--beyond", type=beyond, metavar="LENGTH", default=0.0, help=text)
-    text = "line of which the gradients count (default: level)"
+    text = "line whose gradients act on limits and own stops, and its friction on own stops (default: level)"
     parser.add_argument("--line", type=Path, metavar="FILE", help=text)
 
 

@@ -160,6 +160,10 @@ def lines_of_target(found: CurveResults) -> list[str]:
     if found.without_effect:
         lines.append(f"Without effect on this train: {', '.join(found.without_effect)}.")
     lines += _boundaries_beyond(found)
+    if found.least_friction < 1.0:
+        lines.append(
+            f"Friction of the line, down to a factor of {found.least_friction:g}, acts on own stops; limits have none."
+        )
     if found.covered is not None:
         first, last = found.covered
         begin = float(np.min(found.many.I))

@@ -177,7 +177,9 @@ def test_the_text_states_what_the_numbers_leave_out(tmp_path: Path) -> None:
     assert any("limit of authority of 40 km/h (LOA); own stops need an end of authority" in one for one in lines)
     assert document(found)["train"]["Kdry_rst_in_use"]["values"] == [0.7]
     line.write_text("distance,curvature,cant,gradient\n0,0,0,0\n8000,0,0,0\n")
-    assert not any(one.startswith("The line has rows") for one in text(compute(chosen)))
+    assert not any(one.startswith(("The line has rows", "Friction of the line")) for one in text(compute(chosen)))
+    line.write_text("distance,curvature,cant,gradient,left_friction\n0,0,0,0,1\n5,0,0,0,0.2\n8000,0,0,0,1\n")
+    assert any(one.startswith("Friction of the line, down to a factor of 0.2, acts") for one in text(compute(chosen)))
     line.write_text("distance,gradient\n0,0\n8000,0\n")
     with pytest.raises(BadInputError, match="the columns curvature, cant are missing"):
         compute(chosen)
