@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -98,6 +99,14 @@ def notch_named(name: str, handle: str) -> Notch | None:
     return next((notch for notch in own if plain(name) in map(plain, notch.names)), None)
 
 
+def _nearest(name: str, handle: str) -> str:
+    """Return the remedy for an unknown notch: the position or notch of the handle with the nearest name."""
+    notches = handles()[handle].notches if handle else ()
+    names = {plain(one): one for one in (*POSITIONS, *(one for notch in notches for one in notch.names))}
+    near = get_close_matches(plain(name), list(names), 1)
+    return f" Did you mean {names[near[0]]}?" if near else " Choose one."
+
+
 def driven(name: str, step: float, valve: DriversValve | VacuumValve, handle: str) -> Inputs:
     """Return the inputs driver_position and driver_step of a notch or position of a valve.
 
@@ -109,7 +118,7 @@ def driven(name: str, step: float, valve: DriversValve | VacuumValve, handle: st
     if notch is None:
         names = [one.names[0] for one in handles()[handle].notches] if handle else list(POSITIONS)
         of = [one for one in handles() if one != handle and notch_named(name, one)]
-        remedy = f" {quoted(name)} is a notch of {of[0]}: give handle = {of[0]}." if of else " Choose one."
+        remedy = f" {quoted(name)} is a notch of {of[0]}: give handle = {of[0]}." if of else _nearest(name, handle)
         raise ValueError(f"A driver's valve must be set to one of {', '.join(names)}; got {name}.{remedy}")
     if notch.is_service and step:
         raise ValueError(

@@ -106,6 +106,8 @@ def test_unknown_notches_are_refused_with_those_that_there_are() -> None:
         own.drive("stop")
     with pytest.raises(ValueError, match="'Vollbremsung' is a notch of UIC: give handle = UIC"):
         own.drive("Vollbremsung")
+    with pytest.raises(ValueError, match=r"got Vollbremse\. Did you mean Vollbremsung"):
+        own.drive("Vollbremse", handle="UIC")
     with pytest.raises(ValueError, match="step must be left out with the notch '15 psi'"):
         own.drive("15 psi", 0.3)
     with pytest.raises(ValueError, match=r"handle must be of a pipe that holds air, .*; got British vacuum"):
