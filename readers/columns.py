@@ -11,15 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from readers.column_words import EITHER, plain
-from readers.decimal_numbers import MINUS, NUMBER
+from readers.decimal_numbers import MINUS, NUMBER, THOUSANDS, of_thousands
 from readers.text import FileError, quoted, shown
 from readers.units import AMBIGUOUS, different_units, factor, quantity_of, unit_like
 from readers.usual import likely_unit
 
 #: Largest number of characters in a cell, for columns of free text without a limit of their own.
 LONGEST_TEXT = 60
-#: A number that may be one of thousands, with a separator between groups of three digits.
-THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
 #: Cells that Python's float reads as they are meant.
 PLAIN = re.compile(r"[0-9eE+.-]*", re.ASCII)
 #: A number with a unit behind it.
@@ -239,9 +237,8 @@ class Cells:
     def _likely(self, cell: str, value: float) -> str:
         """Return the end of a message about a value outside of the limits: what was likely meant, or nothing."""
         column, (number, unit) = self.column, number_and_unit(cell.replace(MINUS, "-"))
-        if THOUSANDS.fullmatch(number) and column.minimum <= 1e3 * value <= column.maximum:
-            mark, whole = ("comma", "point")["." in number], re.sub("[.,]", "", number)
-            return f" The {mark} is read as a decimal mark. Did you mean {f'{whole} {unit}'.strip()}?"
+        if thousands := of_thousands(number, unit, value, column.minimum, column.maximum):
+            return thousands
         if not unit and self.place.factor == (1.0, 1.0):
             return likely_unit(value, column.unit, column.minimum, column.maximum)
         bare = float(number.replace(",", "."))

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError
-from readers.decimal_numbers import is_decimal
+from readers.columns import Cells, Column, DecimalMark, Place, TableError
+from readers.decimal_numbers import THOUSANDS, is_decimal
 from readers.log_columns import Head, LogColumn, head_of
 from readers.log_times import Times, TimesPlace, times_of
 from readers.tables import Begin, TableRows, begin_of

@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from readers.decimal_numbers import number_of
+from readers.decimal_numbers import number_of, of_thousands
 from readers.documents import is_number
 from readers.text import shown
 from readers.units import AMBIGUOUS, factor, unit_like
@@ -94,13 +94,18 @@ class Quantity:
         found = number_in(value.replace(",", ".") if point else value, self.unit)
         return math.nan if found is None else found
 
+    def _of_thousands(self, value: Any, number: float) -> str:
+        """Return the remedy for a text with a number that is inside of the limits as one of thousands, or nothing."""
+        match = NUMBER.fullmatch(value.strip()) if isinstance(value, str) else None
+        return of_thousands(match[1], match[2] or "", number, self.least, self.most) if match else ""
+
     def read(self, value: Any, remedy: str = " Correct it.") -> float:
         """Return a number of a file within its limits. Raises ValueError; remedy: unless another unit is likely."""
         number, is_bare = self.number(value), is_number(value)
         if not self.least <= number <= self.most or (self.whole and number != int(number)):
             kind = "an integer" if self.whole else "a number"
             likely = likely_unit(number, self.unit, self.least, self.most) if is_bare else ""
-            likely = likely or _remedy(value) or remedy
+            likely = likely or self._of_thousands(value, number) or _remedy(value) or remedy
             raise ValueError(f"{self.name} must be {kind} from {self.limits}; got {shown(value)}.{likely}")
         if 0.0 < number < self.above_0:
             likely = likely_unit(number, self.unit, self.above_0, self.most) if is_bare else ""

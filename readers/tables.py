@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from readers.column_names import columns_in_order, layout_of, name_and_unit, tidy
 from readers.column_words import plain, read_as
-from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError, unit_factor, word_read_as
-from readers.decimal_numbers import is_decimal
+from readers.columns import Cells, Column, DecimalMark, Place, TableError, unit_factor, word_read_as
+from readers.decimal_numbers import THOUSANDS, is_decimal
 from readers.text import BLANK, LONGEST_ROW, lines_of, quoted, rows_in, shown, text_of
 
 #: Most rows of a table, unless a caller sets another limit.

@@ -92,6 +92,11 @@ def test_a_ratio_outside_of_the_limits_of_aar_is_told() -> None:
         assert any("is unusual for a car" in note for note in notes) == is_told
 
 
+def test_a_text_of_thousands_is_told() -> None:
+    with pytest.raises(ValueError, match=r"got 84\.000 kg\. The point is read as .* mean 84000 kg"):
+        consist_of([{"kind": "locomotive", "mass": "84.000 kg"}])
+
+
 def test_a_vehicle_is_a_name_beside_its_kind(tmp_path: Path) -> None:
     (tmp_path / "train.csv").write_text("Fahrzeug;Art\nE-Lok 103;Lok\nBm 234;Sitzwagen\n")
     rows = [{"Fahrzeug": "E-Lok 103", "Art": "Lok"}, {"Fahrzeug": "Bm 234", "Art": "Sitzwagen"}]
