@@ -114,11 +114,12 @@ def driven(name: str, step: float, valve: DriversValve | VacuumValve, handle: st
     """
     if handle:
         check_handle(handle, valve)
-    notch = notch_named(name, handle)
+    text = name if isinstance(name, str) else ""
+    notch = notch_named(text, handle)
     if notch is None:
         names = [one.names[0] for one in handles()[handle].notches] if handle else list(POSITIONS)
-        of = [one for one in handles() if one != handle and notch_named(name, one)]
-        remedy = f" {quoted(name)} is a notch of {of[0]}: give handle = {of[0]}." if of else _nearest(name, handle)
+        of = [one for one in handles() if one != handle and notch_named(text, one)]
+        remedy = f" {quoted(name)} is a notch of {of[0]}: give handle = {of[0]}." if of else _nearest(text, handle)
         raise ValueError(f"A driver's valve must be set to one of {', '.join(names)}; got {name}.{remedy}")
     if notch.is_service and step:
         raise ValueError(

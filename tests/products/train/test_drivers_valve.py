@@ -218,12 +218,13 @@ def test_mass_and_energy_close_with_valves_cocks_and_parted_hoses() -> None:
     assert gone.leak_mass > 0.0
 
 
-def test_a_drivers_position_out_of_range_is_refused() -> None:
+@pytest.mark.parametrize("name", ["full", 3, None])
+def test_a_drivers_position_out_of_range_is_refused(name: Any) -> None:
     one = train(1)
     with pytest.raises(
-        ValueError, match="A driver's valve must be set to one of shut-off, running, overcharge, service, emer"
+        ValueError, match=f"A driver's valve must be set to one of shut-off, running, .*; got {name}. Choose one."
     ):
-        one.drive("full")
+        one.drive(name)
     with pytest.raises(
         ValueError, match=r"A step of service, 0 the first and 1 full, must be a number from 0 to 1; got 1.2."
     ):
