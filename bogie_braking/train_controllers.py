@@ -16,7 +16,7 @@ from brake_controller.vehicle_protection import BUILT_IN, FIRST_OWN, NO_PROTECTI
 from products.controller_kinds import Form
 from products.protection.own_process import Apart, NoControllerError
 from products.train.consist import Consist, TrainVehicle
-from products.train.slide_columns import NOTHING, OURS, counted_volume
+from products.train.slide_columns import NOTHING, OURS, check_controller, counted_volume
 
 #: A controller: its name or file, or a class or another function that returns a new one.
 Controller = str | Path | Callable[[], Any] | None
@@ -73,7 +73,9 @@ def _by_vehicle(given: Any, vehicles: list[TrainVehicle]) -> dict[int, Any]:
 
 def _protected(train_vehicle: TrainVehicle, controller: Any, place: int) -> TrainVehicle:
     """Return a vehicle with a controller. Raises ValueError without brake or rotating mass, TypeError."""
-    if controller is None:
+    if isinstance(controller, str):
+        check_controller(controller)
+    if controller is None or controller == NOTHING:
         return replace(train_vehicle, protection=replace(train_vehicle.protection, controller=0.0), controller=NOTHING)
     if isinstance(train_vehicle.distributor, Piped):
         raise ValueError(f"The vehicle of a protection must have a brake; vehicle {place} has none. Leave it out.")

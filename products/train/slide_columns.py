@@ -21,14 +21,19 @@ from readers.text import shown
 NOTHING, OURS = "none", "built-in"
 
 
+def check_controller(name: str) -> None:
+    """Raise ValueError if a text is neither a word for a controller nor the name of a file."""
+    if "." not in name and name not in (NOTHING, OURS, *PUBLIC):
+        known = f"{', '.join((NOTHING, OURS, *PUBLIC))} or the file of a controller, such as mine.c"
+        raise ValueError(f"protection must be one of {known}; got {shown(name)}. Correct it.")
+
+
 def protection_of(values: Mapping[str, Any], parameters: DistributorParameters) -> VehicleProtection:
     """Return the protection of a row; parameters: its distributor."""
     name = values.get("protection", NOTHING)
     if name == NOTHING:
         return NO_PROTECTION
-    if "." not in name and name not in (OURS, *PUBLIC):
-        known = f"{', '.join((NOTHING, OURS, *PUBLIC))} or the file of a controller, such as mine.c"
-        raise ValueError(f"protection must be one of {known}; got {shown(name)}. Correct it.")
+    check_controller(name)
     usual = NO_PROTECTION
     return VehicleProtection(
         controller=float(BUILT_IN if name == OURS else FIRST_OWN),
