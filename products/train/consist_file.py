@@ -100,8 +100,9 @@ def consist_of(
             raise ValueError(f"{name}, {place}: {error}") from None
     if not vehicles:
         raise ValueError(f"{name} must have vehicles; it has none. Give it a row for each kind of vehicle in turn.")
+    led = _with_head(vehicles, name)
     try:
-        led = with_vacuum(_with_head(vehicles, name), stated)
+        led = with_vacuum(led, stated)
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
     _check_pipe(led, name)

@@ -236,6 +236,7 @@ def test_what_is_no_consist_is_told_in_one_sentence_with_file_and_row(
     [sentence] = said.err.splitlines()
     assert words in sentence
     assert sentence.startswith(str(path))
+    assert sentence.count(str(path)) == 1
     assert sentence.endswith((".", "?"))
     assert not (tmp_path / "build").exists()
 
