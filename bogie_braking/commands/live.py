@@ -20,6 +20,7 @@ from bogie_braking.live.train_page import PAGE as TRAIN_PAGE
 from bogie_braking.live.train_page import write_train_page
 from products.prebuilt import PAGE
 from readers.command_line import check_folder
+from readers.text import BadInputError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,7 +37,11 @@ def run(chosen: argparse.Namespace) -> int:
     """Write the pages and print their addresses."""
     check_folder(chosen.out)
     if chosen.consist or chosen.line:
-        pages = [write_train_page(chosen.out / TRAIN_PAGE, carried_from(chosen.consist, chosen.line))]
+        try:
+            own = carried_from(chosen.consist, chosen.line)
+        except ValueError as error:
+            raise BadInputError(str(error)) from error
+        pages = [write_train_page(chosen.out / TRAIN_PAGE, own)]
     else:
         pages = [write_page(chosen.out / PAGE), write_train_page(chosen.out / TRAIN_PAGE)]
     print("Open in a browser:", *(page.resolve().as_uri() for page in pages), sep="\n")

@@ -32,24 +32,26 @@ def layout_mark() -> str:
 
 @dataclass(frozen=True)
 class CarriedTrain:
-    """A consist on a line; limits: first and last place [m] and speed [m/s] of stretches."""
+    """A consist on a line; limits: first and last place [m] and speed [m/s] of stretches.
+
+    Raises ValueError if a vehicle is in detail or has a controller of a user, which a page cannot run.
+    """
 
     name: str
     consist: Consist
     line: Line | None = None
     limits: Sequence[tuple[float, float, float]] = ()
 
-    def packed(self) -> str:
-        """Return the text that consist.js unpacks: a count and as many numbers of 8 bytes, then a JSON object.
-
-        Raises ValueError if a vehicle has a controller of a user, which a page cannot run.
-        """
+    def __post_init__(self) -> None:
         if own := own_files(self.consist):
             raise ValueError(f"protection of a page must be built-in or none; got {own[0]}. Write built-in.")
         if any(vehicle.detail for vehicle in self.consist.vehicles):
             raise ValueError(
                 "detail must be left out on a page, whose vehicles are points. Remove it from the consist."
             )
+
+    def packed(self) -> str:
+        """Return the text that consist.js unpacks: a count and as many numbers of 8 bytes, then a JSON object."""
         numbers = numbers_of(self.consist, Settings(), self.line)
         names = groupby(vehicle.name or vehicle.kind for vehicle in self.consist.vehicles)
         about: dict[str, Any] = {

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import bogie_braking as bb
-from bogie_braking.live.carried_train import CarriedTrain
+from bogie_braking.__main__ import main
 from fmu_src.compile import build_library
 from fmu_src.cosimulation import CosimulationError
 from fmu_src.cosimulation.slave import FmuInstance
@@ -297,9 +297,13 @@ def test_contradictions_are_refused(row: dict[str, Any], message: str) -> None:
         consist_of([{"kind": "locomotive"}, {"kind": "coach"} | row])
 
 
-def test_a_page_whose_vehicles_are_points_refuses_one_in_detail() -> None:
-    with pytest.raises(ValueError, match="detail must be left out on a page"):
-        CarriedTrain("coaches", coaches(1)).packed()
+def test_a_page_whose_vehicles_are_points_refuses_one_in_detail(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "own.csv").write_text("kind,detail\nlocomotive,\ncoach,coach\n")
+    assert main(["live", "--consist", str(tmp_path / "own.csv"), "--out", str(tmp_path / "pages")]) == 2
+    assert capsys.readouterr().err.startswith("detail must be left out on a page")
+    assert not (tmp_path / "pages").exists()
 
 
 def test_a_controller_reaches_the_torque_and_speed_of_each_wheelset() -> None:
