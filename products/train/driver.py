@@ -11,6 +11,7 @@ from products.train.consist import Consist
 from products.train.cycle_braking import CycleBraking
 from products.train.starting import StartWatch
 from products.train.train import Train, within
+from readers.usual import note
 
 #: Fall of the pipe at the first step of service as a share of that at full service: 0.4 of 1.5 bar (UIC 540).
 LEAST = 0.4 / 1.5
@@ -113,6 +114,7 @@ class HoldingDriver:
                 "a vehicle."
             )
         acknowledge(train)
+        train.remark(note("speed of the driver", self.speed, "m/s"))
         self._watch.look(train, reason=self._descent.refused if self._descent else "")
         if rolls_back(train):
             self.air = hold(train)

@@ -22,7 +22,7 @@ from products.controller_kinds import Form, InC
 from products.run_history import RunHistory
 from products.train.consist import Consist
 from products.train.detailed_kernel import compiled, functions_of, kernel_of, outputs_of, variables_in_c
-from products.train.inputs import Inputs, wrong_input
+from products.train.inputs import BY_NAME, Inputs, wrong_input
 from products.train.layout import EQUIPMENT, HIGHEST, INITIAL, INPUTS, LOWEST_VACUUM, OF_WHEELS, OUTPUTS, SUMS, Array
 from products.train.library import functions
 from products.train.notches import driven
@@ -79,15 +79,15 @@ def _place(name: str, value: int, count: int) -> None:
         raise ValueError(f"The number of a {name} must be an integer from 0 to {count - 1}; got {value}.")
 
 
-def _exceeds(consist: Consist, above: Mapping[str, float]) -> bool:
-    """Return whether a field of a vehicle exceeds its value."""
+def _exceeding(consist: Consist, above: Mapping[str, float]) -> NDArray[np.intp]:
+    """Return the vehicles, from 0, a field of which exceeds its value."""
     fields = [(attrgetter(field), value) for field, value in above.items()]
-    return any(field(vehicle) > value for vehicle in consist.vehicles for field, value in fields)
+    return np.flatnonzero([any(field(vehicle) > value for field, value in fields) for vehicle in consist.vehicles])
 
 
 def _recorded_of(consist: Consist) -> list[Array]:
     """Return the outputs that are recorded of a consist."""
-    left_out = {name for names, above in ONLY_WITH.items() if not _exceeds(consist, above) for name in names}
+    left_out = {name for names, above in ONLY_WITH.items() if not _exceeding(consist, above).size for name in names}
     return [one for one in RECORDED if one.name not in left_out]
 
 
@@ -100,7 +100,14 @@ def start_limits(consist: Consist) -> dict[str, tuple[float, float]]:
 
 def idle_inputs(consist: Consist) -> dict[str, str]:
     """Return the inputs that no vehicle of a consist uses, and what it lacks."""
-    return {name: one.text for name, one in EQUIPMENT.items() if not _exceeds(consist, one.above)}
+    return {name: one.text for name, one in EQUIPMENT.items() if not _exceeding(consist, one.above).size}
+
+
+def partly_used(consist: Consist) -> dict[str, NDArray[np.intp]]:
+    """Return the inputs that some vehicles of a consist use and others do not, and those that do, from 0."""
+    of_vehicles = {name: one.above for name, one in EQUIPMENT.items() if BY_NAME[name].of == "vehicles"}
+    used = {name: _exceeding(consist, above) for name, above in of_vehicles.items()}
+    return {name: there for name, there in used.items() if 0 < there.size < len(consist.vehicles)}
 
 
 class Train:
@@ -189,6 +196,7 @@ class Train:
         self._recorded = _recorded_of(consist)
         self._valves = [(one.valve, one.handle) for one in consist.vehicles if one.valve is not None]
         self._idle = {name: (self.inputs[name], lacks) for name, lacks in idle_inputs(consist).items()}
+        self._partly = {name: (self.inputs[name], int(at[0]), at) for name, at in partly_used(consist).items()}
 
     def _view(self, call: Any, row: int) -> NDArray[np.float64]:
         count = ctypes.c_longlong()
@@ -287,6 +295,10 @@ class Train:
         for name, (array, lacks) in self._idle.items():
             if np.count_nonzero(array):
                 raise ValueError(f"inputs[{name!r}] must be 0: no vehicle has {lacks}, and it has no effect. Reset it.")
+        for name, (array, first, there) in self._partly.items():
+            if not array.item(first) and np.count_nonzero(array) and not np.count_nonzero(array[there]):
+                self._note_idle(name)
+                break  # the next advance looks at the others
         status = self._call.train_go(self._own, time)
         self._controllers.check()
         if status == -2:
@@ -300,6 +312,13 @@ class Train:
             raise ValueError([said for said in self._notes if said.startswith(name)][-1])
         if status:
             raise ValueError(f"The train came to no finite state within {time:g} s; look at what was set.")
+
+    def _note_idle(self, name: str) -> None:
+        """Note once that an input is set at vehicles without its equipment alone."""
+        array, first, _ = self._partly.pop(name)
+        place, lacks = int(np.flatnonzero(array)[0]), EQUIPMENT[name].text
+        said = f"inputs[{name!r}][{place}] has no effect without {lacks}."
+        self.remark(f"{said} inputs[{name!r}][{first}] has {lacks}.")
 
     def _wrong_input(self) -> str:
         place = ctypes.c_longlong()
@@ -431,6 +450,11 @@ class Train:
         )
         locked = (self._lock_message(int(n), times[n]) for n in np.flatnonzero(np.isfinite(times)))
         return [*self._notes, *broken, *locked, *self.controller_failures]
+
+    def remark(self, message: str) -> None:
+        """Add a text to `messages`, once; an empty one is none."""
+        if message and message not in self._notes:
+            self._notes.append(message)
 
     def _lock_message(self, vehicle: int, time: float) -> str:
         electric = self.consist.vehicles[vehicle].electric

@@ -46,6 +46,19 @@ def test_an_input_that_no_vehicle_uses_is_refused(name: str) -> None:
         one.advance(0.1)
 
 
+@pytest.mark.parametrize(("name", "column"), [("traction", "traction_force"), ("dynamic_brake", "dynamic_force")])
+def test_an_input_is_noted_once_where_it_is_set_without_equipment_alone(name: str, column: str) -> None:
+    engine = {"kind": "locomotive", column: 100, column.replace("force", "power"): 1000}
+    one = bb.train([engine, {"kind": "wagon"}], speed=10.0)
+    one.inputs[name] = 0.5
+    one.advance(0.1)
+    assert one.messages == []
+    one.inputs[name] = [0.0, 0.5]
+    one.advance(0.1)
+    [said] = one.record(0.2).messages
+    assert said.startswith(f"inputs['{name}'][1] has no effect without ")
+
+
 def test_errors_beside_settings_are_refused() -> None:
     with pytest.raises(ValueError, match="distance_error has no effect with settings"):
         bb.train(2, settings=Settings(), distance_error=0.001)
@@ -58,6 +71,9 @@ def test_numbers_of_a_train_in_another_unit_are_refused_or_noted() -> None:
         bb.TimetableDriver([bb.StationStop(500.0)], [(0.0, 120.0)])
     said = "speed is 120 m/s = 432 km/h. Did you mean 120 km/h = 33.33 m/s?"
     assert bb.train(2, speed=120.0).record(0.1).messages == [said]
+    train = bb.train(2)
+    bb.HoldingDriver(80.0).act(train)
+    assert train.messages == ["speed of the driver is 80 m/s = 288 km/h. Did you mean 80 km/h = 22.22 m/s?"]
     rows = {"lambda": (1.15, "115 %"), "dynamic_power": (2.5, "2500 kW"), "rotating": (0.08, "8 %")}
     for name, (value, meant) in rows.items():
         force = {"dynamic_force": 100.0} if name == "dynamic_power" else {}
