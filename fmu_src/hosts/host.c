@@ -5,6 +5,7 @@
  * Linked with sources: cc -I../sources -DFMI@N@_FUNCTION_PREFIX=@MODEL@_ host.c ../sources/@UNITS@ -lm -o host
  *                      && ./host NAME=VALUE ...
  * Data of the FMU are in its folder resources: beside the binary's folder, or, for a linked program, RESOURCES. */
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,8 +63,36 @@ static void require(fmi@N@Status status, const char *what) {
 @3@static void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
 @3@                        fmi3String message) {
     (void)environment, (void)status, (void)category;
-@2@    fprintf(stderr, "%s: %s\n", instance, message);
+@2@    va_list rest;
+@2@    va_start(rest, message);
+@2@    fprintf(stderr, "%s: ", instance);
+@2@    vfprintf(stderr, message, rest);
+@2@    fputc('\n', stderr);
+@2@    va_end(rest);
 @3@    fprintf(stderr, "%s\n", message);
+}
+
+static void check(int is_right, const char *limit, const char *argument) {
+    if (is_right) return;
+    fprintf(stderr, "%s; got %s. Correct it.\n", limit, argument);
+    exit(1);
+}
+
+/* The number that the rest of an argument is. */
+static double number_in(const char *text, const char *argument) {
+    char *end = NULL;
+    const double number = strtod(text, &end);
+    const int is_plain = *text && strspn(text, "+-.0123456789eE") == strlen(text);
+    check(is_plain && !*end && number - number == 0.0, "A value must be a number, such as 0.2, without a unit", argument);
+    return number;
+}
+
+/* The element that the rest of an argument begins with, from 1; it ends in ]. */
+static size_t element_in(const char *text, const char *argument) {
+    const size_t digits = strspn(text, "0123456789");
+    check(digits && digits < 8 && text[digits] == ']' && text[digits + 1] == '=',
+          "An element must be an integer, as in NAME[2]=VALUE", argument);
+    return strtoul(text, NULL, 10);
 }
 
 /* Read all elements of a variable. */
@@ -101,24 +130,28 @@ static void require(fmi@N@Status status, const char *what) {
 @3@static void set(fmi3Instance fmu, const char *assignment) {
     static double value[MOST];
     const size_t length = strcspn(assignment, "[="), equals = strcspn(assignment, "=");
+    check(assignment[equals] != 0, "An argument must be NAME=VALUE or NAME[ELEMENT]=VALUE", assignment);
     const int is_one = assignment[length] == '[';
-    const size_t element = is_one ? strtoul(assignment + length + 1, NULL, 10) : 1;
-    const double number = assignment[equals] ? strtod(assignment + equals + 1, NULL) : 0.0;
+    const double number = number_in(assignment + equals + 1, assignment);
+    const size_t element = is_one ? element_in(assignment + length + 1, assignment) : 1;
     if (strncmp(assignment, "seconds=", 8) == 0) {
+        check(0.0 <= number && number <= 1e7, "seconds must be from 0 to 1e7", assignment);
         steps = (int)(100.0 * number + 0.5);
         return;
     }
-    for (size_t i = 0; assignment[equals] && i < sizeof SETTABLE / sizeof *SETTABLE; ++i) {
+    for (size_t i = 0; i < sizeof SETTABLE / sizeof *SETTABLE; ++i) {
         const struct variable *to = &SETTABLE[i];
         if (strlen(to->name) != length || strncmp(to->name, assignment, length) != 0) continue;
-        if (element < 1 || element > to->count) break;
+        check(1 <= element && element <= to->count, "An element must be one of the array, from 1 on", assignment);
+        check(to->type == 'r' || (-2e9 < number && number < 2e9 && number == (int)number), "The value must be an integer",
+              assignment);
         if (is_one) get(fmu, to, value); /* the others keep theirs */
         for (size_t k = 0; k < to->count; ++k)
             if (!is_one || k + 1 == element) value[k] = number;
         put(fmu, to, value, assignment);
         return;
     }
-    require(fmi@N@Error, assignment);
+    check(0, "A name must be that of a parameter or input in modelDescription.xml", assignment);
 }
 
 int main(int count, char **argument) {
@@ -133,8 +166,8 @@ int main(int count, char **argument) {
 #endif
 @2@    const fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
 @2@    fmi2Component fmu = fmi2Instantiate("host", fmi2CoSimulation, "@GUID@", resources, &callbacks, fmi2False,
-@2@                                        fmi2False);
-@3@    fmi3Instance fmu = fmi3InstantiateCoSimulation("host", "@GUID@", resources, fmi3False, fmi3False, fmi3False, fmi3False,
+@2@                                        fmi2True);
+@3@    fmi3Instance fmu = fmi3InstantiateCoSimulation("host", "@GUID@", resources, fmi3False, fmi3True, fmi3False, fmi3False,
 @3@                                                   NULL, 0, NULL, log_message, NULL);
     require(fmu ? fmi@N@OK : fmi@N@Error, "The instance");
 @2@    require(fmi2SetupExperiment(fmu, fmi2False, 0.0, 0.0, fmi2False, 0.0), "The start time");

@@ -5,15 +5,21 @@ seconds=30 makes 3000 steps.
 """
 
 import sys
+from contextlib import redirect_stdout
 from pathlib import Path
 
 from fmpy import simulate_fmu
 from numpy import ndenumerate
 
 path, *assignments = sys.argv[1:]
+for assignment in assignments:
+    if assignment.count("=") != 1:
+        sys.exit(f"An argument must be NAME=VALUE; got {assignment}. Correct it.")
 values = dict(assignment.split("=") for assignment in assignments)
 seconds, fmu = float(values.pop("seconds", 1.0)), str(Path(path).resolve())
-table = simulate_fmu(fmu, stop_time=seconds, step_size=0.01, output_interval=0.01, start_values=values)
+times = {"stop_time": seconds, "step_size": 0.01, "output_interval": 0.01}
+with redirect_stdout(sys.stderr):  # messages of the FMU
+    table = simulate_fmu(fmu, **times, start_values=values, debug_logging=True)
 for name in table.dtype.names[1:]:
     for place, value in ndenumerate(table[name][-1]):
         print(name + "".join(f"[{number + 1}]" for number in place), float(value))

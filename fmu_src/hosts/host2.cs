@@ -83,7 +83,7 @@ public sealed class Fmu : IDisposable {
             real[0] = value;
             integer[0] = Math.Abs(value) <= int.MaxValue ? (int)value : 0;
             if (type != 'R' && integer[0] != value)
-                throw new InvalidOperationException(name + " must be a whole number; got " + TextOf(value) + ".");
+                throw new InvalidOperationException(name + " must be an integer; got " + TextOf(value) + ". Correct it.");
             Require(type == 'R' ? setReal(Live, reference, One, real)
                                 : (type == 'I' ? setInteger : setBoolean)(Live, reference, One, integer),
                     name + "=" + TextOf(value));
@@ -312,7 +312,8 @@ static class Host {
         double value;
         if (parts.Length == 2 && double.TryParse(parts[1], NumberStyles.Float, CultureInfo.InvariantCulture, out value))
             return new KeyValuePair<string, double>(parts[0], value);
-        throw new InvalidOperationException("An argument must be NAME=VALUE; got " + assignment + ".");
+        throw new InvalidOperationException("An argument must be NAME=VALUE, with a number such as 0.2, without a unit; got "
+                                            + assignment + ". Correct it.");
     }
 
     static int Main(string[] arguments) {
@@ -322,6 +323,8 @@ static class Host {
                 var given = arguments.Skip(1).Select(Assigned).ToList();
                 fmu.Start(given.Where(one => one.Key != "seconds"));
                 double seconds = given.Where(one => one.Key == "seconds").Select(one => one.Value).DefaultIfEmpty(1.0).Last();
+                if (!(seconds >= 0.0 && seconds <= 1e7))
+                    throw new InvalidOperationException("seconds must be from 0 to 1e7; got " + seconds + ". Correct it.");
                 for (int n = 0; n < Math.Round(100.0 * seconds); ++n) fmu.Advance(0.01);
                 foreach (string name in fmu.Outputs)
                     Console.WriteLine(name + " " + fmu[name].ToString("R", CultureInfo.InvariantCulture));

@@ -2,6 +2,7 @@
  * Unpack the .ssp and each FMU in it into a folder of its component's name, from the folder of the .ssp:
 @UNPACK@
  * Then: cc -I@FIRST@/sources documentation/host.c -ldl -o host && ./host . SECONDS */
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -78,7 +79,12 @@ static void require(fmi2Status status, const char *what) {
 static void log_message(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
                         fmi2String message, ...) {
     (void)environment, (void)status, (void)category;
-    fprintf(stderr, "%s: %s\n", instance, message);
+    va_list rest;
+    va_start(rest, message);
+    fprintf(stderr, "%s: ", instance);
+    vfprintf(stderr, message, rest);
+    fputc('\n', stderr);
+    va_end(rest);
 }
 static const fmi2CallbackFunctions CALLBACKS = {log_message, calloc, free, NULL, NULL};
 
@@ -91,7 +97,7 @@ static void make(int number, const char *folder) {
     require(library ? fmi2OK : fmi2Error, path);
     FUNCTIONS(LOAD)
     snprintf(path, sizeof path, "%s/%s/resources", folder, name);
-    fmu->instance = fmu->Instantiate(name, fmi2CoSimulation, COMPONENT[number].guid, path, &CALLBACKS, fmi2False, fmi2False);
+    fmu->instance = fmu->Instantiate(name, fmi2CoSimulation, COMPONENT[number].guid, path, &CALLBACKS, fmi2False, fmi2True);
     require(fmu->instance ? fmi2OK : fmi2Error, name);
     require(fmu->SetupExperiment(fmu->instance, fmi2False, 0.0, 0.0, fmi2False, 0.0), name);
     require(fmu->EnterInitializationMode(fmu->instance), name);
@@ -123,8 +129,13 @@ static void transfer(void) {
 }
 
 int main(int count, char **argument) {
-    const double step = @STEP@, seconds = count == 3 ? strtod(argument[2], NULL) : 0.0;
-    require(seconds > 0.0 ? fmi2OK : fmi2Error, "A call other than host FOLDER SECONDS");
+    char *end = NULL;
+    const double step = @STEP@, seconds = count == 3 ? strtod(argument[2], &end) : 0.0;
+    if (!(end && !*end && seconds > 0.0 && seconds / step < 2e9)) {
+        fprintf(stderr, "The call must be host FOLDER SECONDS, with a number above 0; got %s.\n",
+                count == 3 ? argument[2] : "no number");
+        return 1;
+    }
     for (int k = 0; k < COMPONENTS; ++k) make(k, argument[1]);
     for (int k = 0; k < COMPONENTS; ++k) transfer(); /* as long as a value may take through all of them */
     for (int k = 0; k < COMPONENTS; ++k)

@@ -34,7 +34,7 @@ BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 #: Python (`py`) that takes too long to build.
 UNTESTED = {"bash", "bat", "csharp", "csv", "java", "julia", "log", "py", "rust", "xml"}
 #: All kinds of blocks; those run are Python, commands, changes, output and other files.
-KINDS = UNTESTED | {"python", "sh", "diff", "text", "c", "toml", "pascal"}
+KINDS = UNTESTED | {"python", "sh", "diff", "text", "c", "cpp", "toml", "pascal"}
 #: Programs that the commands of a block may call.
 PROGRAMS = {"python", "make", "cc", "c++", "./host"}
 #: Packages that a page needs but an installation may lack, and the extra that installs them.
@@ -202,8 +202,8 @@ def run_page(page: str, instead: Mapping[str, str]) -> None:
             shown = shown_by_commands(text, instead, "```diff" in page)
         elif kind == "diff":
             apply(text, page[: block.start()])
-        elif kind in ("c", "toml"):
-            file = re.match(r"(?:/\* |# )([\w/-]+\.\w+)", text)
+        elif kind in ("c", "cpp", "toml"):
+            file = re.match(r"(?:/\* |# |// )([\w/-]+\.\w+)", text)
             assert file, f"Say in its first line which file this is: {text}"
             Path(file[1]).write_text(text, encoding="utf-8")
         elif kind == "text":

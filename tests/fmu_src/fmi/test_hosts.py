@@ -56,7 +56,8 @@ def test_cpp(documentation: Path, expected: dict[str, float]) -> None:
     [library] = (documentation.parent / "binaries").rglob("BrakeCylinder.*")
     command = [documentation / "host", library]
     assert shown(command, documentation, GIVEN) == expected
-    assert refusal(command, documentation) == "presure=1 was refused with status 3.\n"
+    unknown = "A name must be that of a parameter, input or output; got presure. See modelDescription.xml.\n"
+    assert refusal(command, documentation) == unknown
     none = subprocess.run([documentation / "host", "nowhere"], capture_output=True, text=True)
     assert none.stderr == "The library as the first argument has no fmi2Instantiate.\n"
 
@@ -88,6 +89,10 @@ def test_the_csharp_of_the_page_runs(fmus: Mapping, tmp_path: Path) -> None:
 #: Start of a train of three vehicles: full service with a slippery rail below the second one; duration of the run [s].
 BRAKED = {"start_speed": 20.0, "driver_position": 3, "driver_step": 1.0, "friction[2]": 0.01}
 LONG = 8.0
+#: The same as arguments, and arguments that are refused.
+BRAKED_AS_TEXT = [f"{name}={value}" for name, value in BRAKED.items()]
+WRONG = ("friction[4]=0.1", "friction[0]=1", "friction[x=1", "friction[1x]=1", "driver_step=2", "driver_position=3.7")
+WRONG += ("friction=0,2", "start_speed=25km/h", "friction=abc", "friction=nan", "seconds=1e9x", "seconds=-5", "x")
 
 
 def train_folder(folder: Path, version: int) -> tuple[Path, Path]:
@@ -119,8 +124,11 @@ def test_the_programs_of_a_train_brake_it(tmp_path: Path, version: int) -> None:
     assert (expected["speed[3]"] < 19.0, expected["locked[2]"], expected["locked[3]"]) == (True, 1.0, 0.0)
     for command in commands:
         assert shown(command, documentation, BRAKED | {"seconds": LONG}) == expected
-        for wrong in ("friction[4]=0.1", "friction[0]=1", "friction[x=1", "driver_step=2"):
-            assert call(command, documentation, wrong).returncode == 1
+        assert "The wheels of vehicle 2 locked" in call(command, documentation, *BRAKED_AS_TEXT, "seconds=8").stderr
+        for wrong in WRONG:
+            done = call(command, documentation, wrong)
+            assert (done.returncode, done.stdout) == (1, "")
+            assert re.search(r" must be .*; got ", done.stderr)
 
 
 @pytest.mark.parametrize("name", IN_C)
