@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from bogie_braking.reporting.plots import BOGIE as GREY
@@ -200,6 +201,10 @@ def draw(stops: dict[tuple[str, float], Stop], steps: Sequence[float], fine: flo
         costs = [1e3 * stops[name, step].cost / long for step in steps]
         for axis, values in zip(axes, ([1e3 * step for step in steps], costs), strict=True):
             axis.loglog(values, errors, mark + "-", color=colour, label=name)
+    for axis in axes:
+        axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.xaxis.set_major_formatter("{x:g}")
+        axis.xaxis.set_minor_formatter("")
     axes[0].axvline(1e3 * DETAIL_STEP, color=GREY, linewidth=0.8)
     axes[0].annotate("default", (1e3 * DETAIL_STEP, 50.0), rotation=90, va="top", ha="right", fontsize=8)
     axes[0].legend(loc="lower right")
