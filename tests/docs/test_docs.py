@@ -186,7 +186,7 @@ def test_every_generated_part_of_a_page_has_its_generator(numbers: ModuleType) -
         for page in WRITTEN
         for name in re.findall(r"(?m)^<!-- generated: (.*) -->", (ROOT / page).read_text("utf-8"))
     ]
-    assert sorted(found) == ["benchmark", "catalogue", "equations", "variables"]
+    assert sorted(found) == ["benchmark", "catalogue", "equations", "notches", "variables"]
     for name in found:
         assert len(importlib.import_module(name).generated()) > 1000
 

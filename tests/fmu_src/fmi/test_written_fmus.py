@@ -129,5 +129,5 @@ def test_fmus_in_c_are_built_with_all_others_and_are_native_only(tmp_path: Path)
     assert not list(tmp_path.rglob("*.fmu"))
     assert build_all([*IN_C], ["native"], tmp_path) == []
     assert {path.stem for path in (tmp_path / "native").iterdir()} == {
-        *("TrainDynamics", "Coupler", "WheelSpeedSensor", "BrakingCurves")
+        *("TrainDynamics", "Coupler", "WheelSpeedSensor", "BrakingCurves", "Driver")
     }
