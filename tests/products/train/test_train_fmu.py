@@ -19,6 +19,8 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from brake_controller.distributors import DISTRIBUTORS
+from brake_controller.distributors.vacuum import VacuumBrake
+from brake_controller.vacuum_valve import vacuum_valve
 from fmu_src.arrays_fmu import all_sources
 from fmu_src.compile import FLAGS, compiler, objects_of
 from fmu_src.cosimulation.faces import face_of
@@ -497,7 +499,9 @@ DAMAGES |= {
 def test_each_field_is_held_to_its_limits_and_to_whole_numbers(kind: str) -> None:
     """The limits themselves are valid. The message names the field. Distances of a line must increase."""
     of_kind = DISTRIBUTORS[kind].ready("P")
-    consist = Consist(tuple(replace(one, distributor=of_kind) for one in SHORT.vehicles))
+    valve = vacuum_valve(of_kind.vacuum) if isinstance(of_kind, VacuumBrake) else SHORT.vehicles[0].valve
+    head, *others = (replace(one, distributor=of_kind) for one in SHORT.vehicles)
+    consist = Consist((replace(head, valve=valve), *others))
     counts = COUNTS | {f"distributor_{name}": 3 * (name == kind) for name in DISTRIBUTORS}
     numbers, wrong = numbers_of(consist, Settings(), None), functions().train_wrong
     assert wrong(numbers.ctypes.data, numbers.size) is None
