@@ -278,4 +278,5 @@ def test_page_of_c_runs_the_fmu_opened_and_linked(fmus: dict, models: dict, tmp_
     assert linking == opening
     wrong = subprocess.run([folder / "linking", "presure=1"], capture_output=True, text=True)
     assert wrong.returncode == 1
-    assert wrong.stderr == "presure=1 was refused with status 3.\n"
+    said = "A name must be that of a parameter or input in modelDescription.xml; got presure=1. Correct it.\n"
+    assert wrong.stderr == said
