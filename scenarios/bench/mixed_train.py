@@ -191,10 +191,9 @@ def boundary(way: str, stiffness: float, vehicle: Linear, least: float = 1e-4, m
 
 # ---- as it runs ------------------------------------------------------------------------------------------------------
 
-#: Steps of a run that shows whether a disturbance grows, by comparing its last two quarters. Steps of 'corrected',
-#: which grows slowly at first. The disturbance [m/s]; steps of the couplers over their limit [1];
-#: resolution of the boundary [1].
-STEPS, SLOW, DISTURBANCE, FINE, RESOLUTION = 600, 6000, 1e-3, 0.05, 0.01
+#: Steps of a run that shows whether a disturbance grows, by comparing its last two quarters. The disturbance [m/s];
+#: steps of the couplers over their limit [1]; resolution of the boundary [1].
+STEPS, DISTURBANCE, FINE, RESOLUTION = 600, 1e-3, 0.05, 0.01
 
 
 def spring(stiffness: float) -> Coupler:
@@ -203,17 +202,35 @@ def spring(stiffness: float) -> Coupler:
     return Coupler("spring", stiffness, (bar, bar), (bar, bar))
 
 
+def disturbed(way: str, level: int, stiffness: float) -> MixedTrain:
+    """Return a rolling train with a small disturbance; takes stiffness [N/m]."""
+    one = mixed(spring(stiffness), level, way, share=FINE)
+    state = one.train.motion
+    state[1:3, PLACE - 1] += DISTURBANCE
+    one.train.motion = state
+    return one
+
+
+def growth_of_run(way: str, level: int, stiffness: float, size: float, steps: int) -> float:
+    """Return the growth of a disturbance in a macro step, less 1, from the last half of a run.
+
+    Takes stiffness [N/m], size [s].
+    """
+    one = disturbed(way, level, stiffness)
+    for _ in range(steps):
+        one.step(size)
+    before, after = np.abs(one.forces).max(axis=1)[-(steps // 2) :].reshape(2, -1).max(axis=1)
+    return float(np.expm1(np.log(after / before) / (steps // 4)))
+
+
 def grows(way: str, level: int, stiffness: float, size: float) -> bool:
     """Return whether a small disturbance of a rolling train grows.
 
     Takes stiffness [N/m], size [s].
     """
-    one = mixed(spring(stiffness), level, way, share=FINE)
-    state = one.train.motion
-    state[1:3, PLACE - 1] += DISTURBANCE
-    one.train.motion = state
-    apart, steps = [], SLOW if way == "corrected" else STEPS
-    for _ in range(steps):
+    one = disturbed(way, level, stiffness)
+    apart: list[float] = []
+    for _ in range(STEPS):
         try:
             one.step(size)
         except (SimulationError, ValueError):  # it has left the range of its level or of the train
@@ -221,7 +238,7 @@ def grows(way: str, level: int, stiffness: float, size: float) -> bool:
         apart.append(np.abs(one.forces[-1]).max())
         if apart[-1] > 30 * max(apart[:20]) > 0.0:
             return True
-    return max(apart[-steps // 4 :]) > 1.1 * max(apart[-steps // 2 : -steps // 4])
+    return max(apart[-STEPS // 4 :]) > 1.1 * max(apart[-STEPS // 2 : -STEPS // 4])
 
 
 def found_boundary(way: str, level: int, stiffness: float, paper: float) -> float:

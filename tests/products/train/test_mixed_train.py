@@ -24,6 +24,7 @@ from scenarios.bench.mixed_train import (
     consist_of,
     found_boundary,
     growth,
+    growth_of_run,
     linear_vehicle,
     mixed,
 )
@@ -89,10 +90,14 @@ def test_the_largest_stable_step_of_a_held_speed_is_that_of_paper() -> None:
 
 
 @pytest.mark.study
-def test_a_corrected_copy_is_stable_up_to_the_step_of_paper() -> None:
-    """Runs show growth only at steps that are 12 % longer; the FMU accepts half of the reciprocal frequency."""
-    paper = boundary("corrected", 198e6, linear_vehicle(1))
-    assert found_boundary("corrected", 1, 198e6, paper) > (1.0 - BOUNDARY) * paper
+@pytest.mark.parametrize("beyond", [1.2, 1.3, 1.4])
+def test_a_corrected_copy_grows_by_the_eigenvalue_of_paper(beyond: float) -> None:
+    """By less than a thousandth in a step; it decays below the boundary."""
+    stiffness, vehicle = 198e6, linear_vehicle(1)
+    paper = boundary("corrected", stiffness, vehicle)
+    expected = growth("corrected", beyond * paper, stiffness, vehicle) - 1.0
+    assert growth_of_run("corrected", 1, stiffness, beyond * paper, 12000) == pytest.approx(expected, rel=0.05)
+    assert growth_of_run("corrected", 1, stiffness, 0.95 * paper, 12000) < 0.0
 
 
 @pytest.mark.parametrize("level", [1, 2])
