@@ -169,7 +169,7 @@ void pipe_valve(pipe *self, int valve, long long int face, const double numbers[
     valve_at *own = &self->valve[valve];
     own->face = face;
     memcpy(own->numbers, numbers, VALVE_NUMBERS * sizeof(double));
-    own->numbers[TAP_AREA_BEHIND] = face > 0 ? area_of(self, face - 1) : 0.0;
+    own->numbers[TAP_AREA_BEHIND] = face > 0 && !self->joint[face] ? area_of(self, face - 1) : 0.0;
     own->numbers[TAP_AREA_AHEAD] = face < self->cells ? area_of(self, face) : 0.0;
     if (valve >= self->valves) self->valves = valve + 1;
     pipe_supply(self, valve, 0.0);
@@ -228,18 +228,23 @@ static void split_flux(pipe *self, long long int face, const double *behind, con
     }
 }
 
+/* A valve is behind the cock of its joint: shut, it keeps the valve from the cell before it. An open hose lets the air of a valve
+ * out at once. */
 static void pass_valves(pipe *self, pipe_passed *passed) {
     for (int valve = 0; valve < self->valves; ++valve) {
         valve_at *own = &self->valve[valve];
         const long long int stride = self->stride, face = own->face, last = self->cells - 1;
         double air[2][PIPE_STATES], found[TAPPED];
+        self->drawing[valve] = 0.0;
+        if (self->joint[face] == HOSE_STATE_PARTED) continue;
         for (int n = 0; n < PIPE_STATES; ++n) {
-            air[0][n] = face > 0 ? self->side[face - 1 + (PIPE_STATES + n) * stride] : self->side[n * stride];
             air[1][n] = face <= last ? self->side[face + n * stride] : self->side[last + (PIPE_STATES + n) * stride];
+            air[0][n] = own->numbers[TAP_AREA_BEHIND] > 0.0 ? self->side[face - 1 + (PIPE_STATES + n) * stride] : air[1][n];
         }
         own->numbers[TAP_SUPPLY_PRESSURE] = own->supply - self->drawn[STATE][valve];
         const double at = meet(own, air[0], air[1]);
         pipe_tapped_1(&at, air[0], air[1], own->numbers, found);
+        for (int n = 0; n < PIPE_STATES && self->joint[face]; ++n) found[n] = self->flux[face + n * stride];
         split_flux(self, face, found, found + PIPE_STATES);
         passed->valve_mass += found[VALVE_OUT];
         passed->valve_energy += found[ENERGY_OUT];
@@ -349,8 +354,8 @@ static void rates(pipe *self, pipe_passed *passed) {
     IN_LANES(pipe_faces);
     for (int end = 0; end < 2; ++end)
         for (int n = 0; n < PIPE_STATES; ++n) self->flux[(end ? self->cells : 0) + n * self->stride] = self->end_flux[end][n];
-    if (self->valves) pass_valves(self, passed);
     if (self->joints) pass_joints(self, passed);
+    if (self->valves) pass_valves(self, passed);
     IN_LANES(pipe_rates);
     if (self->valves || self->joints) add_jumps(self);
     if (self->leaks) leak(self, passed);
