@@ -85,7 +85,20 @@ void details_free(fmu_details *self) {
     free(self);
 }
 
-static int make(fmu_details *self, size_t count, train *own) {
+static kernel_status set_file(const fmu_details *self, const built *one, int variable, const char *name) {
+    char path[PATH + 64];
+    print_text(path, sizeof path, "%s/%s_%lld.csv", self->folder, name, one->vehicle + 1);
+    return variable < 0 ? KERNEL_OK : kernel_set_text(one->machine, variable, path);
+}
+
+/* Gives a kernel its files; a saved state needs them in an instance that was never initialised. */
+static kernel_status set_files(const fmu_details *self, const built *one) {
+    const kernel_status status = set_file(self, one, one->line, "line");
+    return status <= KERNEL_WARNING ? set_file(self, one, one->profile, "profile") : status;
+}
+
+static int make(fmu_details *self, const char *folder, size_t count, train *own) {
+    strcpy(self->folder, folder);
     cursor from = {self->numbers, (long long int)count};
     const double vehicles = next(&from), step = next(&from);
     if (!(vehicles >= 1.0 && vehicles < (double)count)) return 0;
@@ -95,6 +108,7 @@ static int make(fmu_details *self, size_t count, train *own) {
         if (!read_built(&from, one)) return 0;
         one->machine = kernel_create();
         if (!one->machine || !train_detail(own, one->vehicle, one->machine, &CALL, &one->variable)) return 0;
+        (void)set_files(self, one); /* a run refuses what is wrong with them */
     }
     train_detail_step(own, step);
     return self->of != NULL && step > 0.0;
@@ -104,8 +118,7 @@ fmu_details *details_create(const char *folder, train *own, char problem[MESSAGE
     fmu_details *self = (fmu_details *)calloc(1, sizeof *self);
     size_t count = 0;
     if (self) self->numbers = arrays_read(folder, "details.bin", &count, problem);
-    if (self && self->numbers && strlen(folder) < PATH - 64 && make(self, count, own)) {
-        strcpy(self->folder, folder);
+    if (self && self->numbers && strlen(folder) < PATH - 64 && make(self, folder, count, own)) {
         self->mark = arrays_mark_of(self->numbers, count);
         return self;
     }
@@ -124,12 +137,6 @@ static void hear(const built *one, char problem[MESSAGE_SIZE]) {
     }
 }
 
-static kernel_status set_file(const fmu_details *self, const built *one, int variable, const char *name) {
-    char path[PATH + 64];
-    print_text(path, sizeof path, "%s/%s_%lld.csv", self->folder, name, one->vehicle + 1);
-    return variable < 0 ? KERNEL_OK : kernel_set_text(one->machine, variable, path);
-}
-
 static kernel_status start(const fmu_details *self, const built *one, double time, double speed) {
     kernel_status worst = KERNEL_OK, status;
     kernel_reset(one->machine);
@@ -138,8 +145,7 @@ static kernel_status start(const fmu_details *self, const built *one, double tim
         worst = status > worst ? status : worst;
     }
     if (worst <= KERNEL_WARNING) worst = kernel_set(one->machine, one->speed, speed);
-    if (worst <= KERNEL_WARNING) worst = set_file(self, one, one->line, "line");
-    if (worst <= KERNEL_WARNING) worst = set_file(self, one, one->profile, "profile");
+    if (worst <= KERNEL_WARNING) worst = set_files(self, one);
     return worst <= KERNEL_WARNING ? kernel_initialise(one->machine, time) : worst;
 }
 

@@ -350,6 +350,10 @@ def test_the_fmu_is_the_train_in_python(tmp_path: Path, version: int) -> None:
             after.append([fmu["vehicle_3.creep_force_1"], forces])
             fmu.fmu.reset()  # a state needs no initialised instance
             fmu.restore(state)
+        with FmuInstance(path) as another:
+            another.restore(state)
+            another.step(3.0, 0.2)
+            assert another["vehicle_3.creep_force_1"] == after[0][0]
         assert after[0] == after[1]
         assert after[0][0] != own.details[3]["creep_force_1"]
     with FmuInstance(path, start_distance=50.0) as fmu:
