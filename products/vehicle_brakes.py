@@ -22,7 +22,7 @@ from products.vehicle_entries import choice_of, number_of
 from products.vehicle_sheet import SheetBrake
 from readers.column_words import with_columns
 from readers.quantity import Quantity, by_name
-from readers.usual import SI
+from readers.units import si_of
 
 #: Friction laws of shoes by their names in a file, which are those of consists; and by their older names.
 FRICTION_LAWS = {
@@ -52,7 +52,7 @@ STATEMENTS = (
 def _as_in_consists(name: str, column: str, text: str) -> Quantity:
     """Return an entry in SI units with the limits of a column of consists, which states the same in its own unit."""
     of_row = NUMBERS[column]
-    unit, scale = ("%", 1.0) if of_row.unit == "%" else (SI.get(of_row.unit, of_row.unit), of_row.scale)
+    unit, scale = ("%", 1.0) if of_row.unit == "%" else (si_of(of_row.unit), of_row.scale)
     least = max(of_row.least, of_row.above_0)
     return Quantity(name, unit, scale * least, scale * of_row.most, text, of_row.whole)
 

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from readers.decimal_numbers import number_of, of_thousands
 from readers.documents import is_number
 from readers.text import shown
-from readers.units import AMBIGUOUS, factor, unit_like
+from readers.units import AMBIGUOUS, factor, si_of, unit_like
 from readers.usual import almost_0, is_almost_0, likely_unit
 
 #: A number and its unit.
@@ -18,13 +18,6 @@ NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 #: A number with a decimal comma, and one that may have a separator of thousands; a unit may follow.
 COMMA = re.compile(r"\s*[+-]?\d*,\d+.*")
 THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d).*")
-#: SI units in a unit of columns and entries, by which a value is multiplied.
-SCALE = {
-    **dict.fromkeys(("t", "kN", "kW"), 1e3),
-    **dict.fromkeys(("bar", "bar/s"), 1e5),
-    **dict.fromkeys(("mm", "l", "ms"), 1e-3),
-    **{"m3/min": 1 / 60, "MN/m": 1e6, "%": 1e-2, "km/h": 1 / 3.6, "l/min": 1e-3 / 60.0},
-}
 
 
 def number_in(text: str, unit: str) -> float | None:
@@ -73,7 +66,8 @@ class Quantity:
     @property
     def scale(self) -> float:
         """SI units in its unit; 1 for an SI unit."""
-        return SCALE.get(self.unit, 1.0)
+        numerator, denominator = factor(self.unit, si_of(self.unit)) or (1.0, 1.0)
+        return numerator / denominator
 
     @property
     def of_unit(self) -> str:

@@ -155,6 +155,12 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
         **dict.fromkeys(("t-us", "short ton", "short tons"), (90_718_474, 100_000)),
         **dict.fromkeys(("t-uk", "long ton", "long tons"), (10_160_469_088, 10_000_000)),
     },
+    "pressure over time": {
+        "Pa/s": (1, 1),
+        "kPa/s": (1000, 1),
+        "bar/s": (100_000, 1),
+        "psi/s": (6_894_757_293_168, 1_000_000_000),
+    },
     "volume": {"m3": (1, 1), "m\u00b3": (1, 1), "l": (1, 1000), "L": (1, 1000), "in3": (16_387_064, 1_000_000_000_000)},
     "volume flow": {
         "m3/s": (1, 1),
@@ -183,6 +189,12 @@ def quantity_of(unit: str) -> str | None:
     """Return the quantity that a unit measures, or None if the unit is unknown."""
     tidy = unit.strip(" ").replace(_GREEK_MU, _MICRO)
     return next((quantity for quantity, units in SPELLINGS.items() if tidy in units), None)
+
+
+def si_of(unit: str) -> str:
+    """Return the SI unit of the quantity that a unit measures; an unknown unit stays."""
+    spellings = SPELLINGS.get(quantity_of(unit) or "", {})
+    return next((spelling for spelling, both in spellings.items() if both == (1, 1)), unit)
 
 
 def unit_like(text: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from readers.units import factor, quantity_of
+from readers.units import factor, quantity_of, si_of
 
 #: Usual sizes by quantity, in SI units: vehicles on main lines, their parts and brakes. They decide which reading of a
 #: number is likely. Assumed. A main reservoir has 10 bar, and trains are rarely faster than 144 km/h.
@@ -49,8 +49,6 @@ READINGS: dict[str, tuple[str, ...]] = {
     "l": ("m3",),
     "K": ("degC",),
 }
-#: SI units of those of READINGS that are none.
-SI = {"%": "1", "permille": "1", "mm": "m", "km/h": "m/s", "t": "kg", "bar": "Pa", "kN": "N", "kW": "W", "l": "m3"}
 #: 0 degC [K].
 ICE = 273.15
 #: Smallest pressure of a brake above 0 [Pa]: below it return springs hold every piston, at 0.1 bar and more.
@@ -114,7 +112,7 @@ def reading_of(usual: str, unit: str) -> tuple[float, float, float] | None:
 def usual_range(unit: str) -> tuple[float, float]:
     """Return the usual sizes of a quantity in a unit of it; 0 and infinity for an unknown one."""
     least, most = USUAL.get(quantity_of(unit) or "", (0.0, math.inf))
-    up, down = factor(unit, SI[unit]) or (1.0, 1.0) if unit in SI else (1.0, 1.0)
+    up, down = factor(unit, si_of(unit)) or (1.0, 1.0)
     return least * down / up, most * down / up
 
 

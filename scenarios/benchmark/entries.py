@@ -14,7 +14,7 @@ from fmu_src.suggestion import suggestion
 from readers.documents import is_number
 from readers.quantity import NUMBER
 from readers.text import FileError, shown
-from readers.units import SPELLINGS, factor, quantity_of
+from readers.units import factor, quantity_of, si_of
 
 #: Value of an input: a number in SI units, a string, or a list of either.
 Input = float | str | tuple[float, ...] | tuple[str, ...]
@@ -28,11 +28,10 @@ def si_unit(unit: str) -> str:
     """Return the SI unit of a quantity by any of its units; "1" for a pure number."""
     if unit in AREAS:
         return "m2"
-    quantity = quantity_of(unit)
-    if quantity is None:
+    if quantity_of(unit) is None:
         known = "such as m/s, km/h, kN, bar or 1"
         raise FileError(f"a unit must be one that is known, {known}; got {shown(unit)}. Begin a text with a letter.")
-    return next(one for one, both in SPELLINGS[quantity].items() if both == (1, 1))
+    return si_of(unit)
 
 
 def scale_of(unit: str) -> float:
