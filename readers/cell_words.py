@@ -25,7 +25,12 @@ CELL_WORDS: dict[str, dict[str, tuple[str, ...]]] = {
             *("voiture voyageurs", "passenger car", "carriage"),
         ),
     },
-    "position": {"P": ("V", "Personenzug", "voyageurs"), "G": ("M", "Güterzug", "marchandises"), "R": ("Rapid",)},
+    "position": {
+        "P": ("V", "Personenzug", "voyageurs"),
+        "G": ("M", "Güterzug", "marchandises"),
+        "R": ("Rapid",),
+        "R+Mg": ("RMg",),
+    },
     "brake": {
         "pneumatic": ("Druckluft", "Druckluftbremse", "pneumatique", "air"),
         "none": ("keine", "ohne", "Leitungswagen", "aucun", "sans"),
@@ -51,13 +56,20 @@ CELL_WORDS: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "weighing": {"continuous": ("stufenlos", "continu"), "lever": ("Hebel", "zweistufig")},
 }
-#: Words that may mean several choices, by column, each with its remedy.
+#: Words that mean no choice, or may mean several, by column, each with its remedy.
 SEVERAL: dict[str, dict[str, str]] = {
     "kind": {
         **dict.fromkeys(("car", "fahrzeug", "vehicule", "vehicle"), "Write wagon, coach or locomotive."),
         **dict.fromkeys(
             ("triebwagen", "automotrice", "motrice", "railcar"), "Write coach, and state its motors and its brake."
         ),
+        **dict.fromkeys(
+            ("", "summe", "gesamt", "total", "totals", "somme"), "Write the kind, or remove a row of totals or units."
+        ),
+    },
+    "position": {
+        **dict.fromkeys(("p_e", "r_e", "p_e160", "r_e160"), "Write P or R with its brake weight, and dynamic_force."),
+        "p_mg": "Magnets have a position of their own: R+Mg.",
     },
     "friction": {
         **dict.fromkeys(("grauguss", "gg", "fonte", "cast_iron"), "Write cast-iron-p6 or cast-iron-p10."),

@@ -107,6 +107,8 @@ def test_a_vehicle_is_a_name_beside_its_kind(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
+        ("Nr;Art;Gewicht\n1;Lok;84\nSumme;;84\n", "got ''. Write the kind, or remove a row of totals"),
+        ("Art;Bremsart;Bremsgewicht\nLok;P+Mg;80\n", r"Magnets have a position of their own: R\+Mg"),
         ("Art;Gewicht\nTriebwagen;40\n", "Write coach, and state its motors and its brake"),
         (
             "Fahrzeug;Gewicht\nE-Lok 103;84\n",
