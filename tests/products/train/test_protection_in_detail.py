@@ -12,8 +12,6 @@ import pytest
 
 import bogie_braking as bb
 from brake_controller.air import AMBIENT, GAS_CONSTANT, WALL
-from brake_controller.distributors import DISTRIBUTORS
-from brake_controller.distributors.distributor import Distributor
 from brake_controller.distributors.uic import freight
 from brake_controller.vehicle_protection import BUILT_IN
 from fmu_src.cosimulation.slave import FmuInstance
@@ -34,11 +32,10 @@ from rbd_model.track.friction import RailCondition, low
 from rbd_model.train.vehicle import GRAVITY
 from tests.products.train.test_train_protection import (
     STEEP,
-    Timed,
     in_a_train,
     machine,
+    take_timed_cylinders,
     the_same_coach,
-    timed,
     timed_cylinder,
 )
 
@@ -113,16 +110,7 @@ def test_a_coach_in_detail_stops_as_on_the_rig(
     start, law = detailed_kernel.start_values, {"slip_reduction": rail.values(4)["slip_reduction"]}
     monkeypatch.setattr(detailed_kernel, "start_values", lambda *given: start(*given) | law)
     monkeypatch.setattr(compiled_machine, "LEVELS", (1, 2, 3))
-    form = Distributor(
-        name="timed",
-        parameters=Timed,
-        states=(("cylinder", "cylinder"),),
-        ready=timed_cylinder,
-        whole=timed,
-        pace=lambda p: p.release,
-        wired=True,
-    )
-    monkeypatch.setitem(DISTRIBUTORS, "timed", form)
+    take_timed_cylinders(monkeypatch)
     rig = Rig(machine(), SlideProtection, Settings(), by_flow=False, level=level)
     [stop] = rig.runs([Run({"gravity": GRAVITY, **rail.values(4)})])
     own = the_same_coach(timed_cylinder(""), rail, controller=float(BUILT_IN), valve_time=0.0)

@@ -190,9 +190,8 @@ def timed_cylinder(position: str) -> Timed:
     return Timed(FULL_PRESSURE, math.log(20.0) / APPLICATION_TIME, math.log(20.0) / RELEASE_TIME)
 
 
-@pytest.mark.study
-def test_a_train_of_one_coach_equals_the_stop_of_the_rig(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the same cylinder and a steep creep law, what remains is the integration: 0.2 % of the distance."""
+def take_timed_cylinders(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let trains have the cylinder of the rig's coach as their distributor."""
     form = Distributor(
         name="timed",
         parameters=Timed,
@@ -203,6 +202,12 @@ def test_a_train_of_one_coach_equals_the_stop_of_the_rig(monkeypatch: pytest.Mon
         wired=True,
     )
     monkeypatch.setitem(DISTRIBUTORS, "timed", form)
+
+
+@pytest.mark.study
+def test_a_train_of_one_coach_equals_the_stop_of_the_rig(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the same cylinder and a steep creep law, what remains is the integration: 0.2 % of the distance."""
+    take_timed_cylinders(monkeypatch)
     for controller, make in ((0.0, None), (float(BUILT_IN), Alike)):
         rig = on_the_rig(make, False, monkeypatch)
         own = the_same_coach(timed_cylinder(""), STEEP, controller=controller, valve_time=0.0)
