@@ -77,11 +77,11 @@ TABLES = ("resistance", "brake", *SHORT, "parameters")
 class SheetBrake:
     """The brake of a vehicle file.
 
-    values: parameters of BrakedVehicle [SI].
-    full_pressure [Pa]; full_torque [N.m]: of one wheelset at the mean friction.
-    application_time [s]: from 0 to 95 %.
-    assumed: how each value was found that the file does not give.
-    entries: as the file has them.
+    `values`: parameters of BrakedVehicle [SI].
+    `full_pressure` [Pa]; `full_torque` [N.m]: of one wheelset at the mean friction.
+    `application_time` [s]: from 0 to 95 %.
+    `assumed`: how each value was found that the file does not give.
+    `entries`: as the file has them.
     """
 
     acts_on: str

@@ -19,11 +19,11 @@ MOST_WHEELSETS = 16
 class Detail:
     """The vehicle, as data and in words, its level of detail and contact model.
 
-    name: of a built-in vehicle, or path of a vehicle file.
-    fmu: name of the FMU with its equations, if they are not its own.
-    parameters: values of its sizes.
-    resistance: a, b, c of its file [SI]; None: those of the consist.
-    unused: message about a part of its file without effect.
+    `name`: of a built-in vehicle, or path of a vehicle file.
+    `fmu`: name of the FMU with its equations, if they are not its own.
+    `parameters`: values of its sizes.
+    `resistance`: a, b, c of its file [SI]; None: those of the consist.
+    `unused`: message about a part of its file without effect.
 
     Raises
     ------

@@ -25,12 +25,13 @@ static const struct {
     void (*step)(void *memory, double time, const double *wheel_speed, int *valve);
 } CONTROLLERS[] = {{wheel_slide_size, wheel_slide_start, wheel_slide_step}, OWN_CONTROLLERS};
 
-/* One wheel speed in, one valve out: rotation [rad] and speed before a step [m/s], open areas of the valve that fills the
- * cylinder and of the valve that vents it [1], its pressure at the last step of the controller [Pa]; pressure before a step of the
- * train [Pa], and the force that it would have if all wheelsets had its own [N]. */
+/* One wheel speed in, one valve out. */
 typedef struct {
     encoder sensor;
-    double rotation, speed, fills, vents, pressure, before, force;
+    double rotation, speed;  /* before a step [rad], [m/s] */
+    double fills, vents;     /* open areas of the valves that fill and vent the cylinder [1] */
+    double pressure, before; /* at the last step of the controller, before a step of the train [Pa] */
+    double force;            /* of the vehicle if all wheelsets had this pressure [N] */
     int command;
 } wheelset;
 
