@@ -28,7 +28,8 @@ class _Motion:
 
     time: np.ndarray
     lateral: np.ndarray
-    height: np.ndarray
+    height: float
+    bounce: np.ndarray
     roll: np.ndarray
     pitch: np.ndarray
     yaw: np.ndarray
@@ -42,7 +43,7 @@ class _Motion:
             finite(recording, data.variable(motion)) for motion in ("lateral", "bounce", "roll", "pitch", "yaw")
         )
         height = vehicle.number(vehicle.wheelsets[0].mean_radius) + vehicle.number(data.height)
-        return cls(recording["time"], lateral, height + bounce, roll, pitch, yaw, vehicle.number("gravity"))
+        return cls(recording["time"], lateral, height, bounce, roll, pitch, yaw, vehicle.number("gravity"))
 
 
 def floor_accelerations(
@@ -84,6 +85,8 @@ def floor_accelerations(
         If the place is not three numbers within 50 m, the run is not at level 3, or rows are uneven or more than 5 ms
         apart.
     """
+    from scipy.spatial.transform import Rotation  # heavy
+
     x, y, z = _place(place)
     interval_of(recording)
     own = _Motion.of(recording, described(vehicle), body)
@@ -98,20 +101,20 @@ def floor_accelerations(
         np.zeros_like(time) if laid is None else laid.value(name, distance)
         for name in ("curvature", "cant", "gradient")
     )
-    track_roll = -np.arcsin(cant / GAUGE)
-    roll, pitch = own.roll + track_roll, own.pitch - np.arcsin(gradient)
-    turning, tipping = _slope(time, roll, 2), _slope(time, pitch, 2)
-    yawing = _slope(time, own.yaw, 2) + _slope(time, speed * curvature, 1)
-    # Of the centre of gravity, level: the axes of the track roll about the rails.
-    cosine, sine = np.cos(track_roll), np.sin(track_roll)
-    inwards = speed**2 * curvature + _slope(time, own.lateral * cosine - own.height * sine, 2)
-    rising = speed * _slope(time, gradient, 1) + _slope(time, own.height * cosine + own.lateral * sine, 2)
-    above = z - own.height
-    ahead = finite(recording, "acceleration") + above * tipping - y * yawing - own.gravity * np.sin(pitch)
-    aside = inwards * np.cos(roll) + (own.gravity + rising) * np.sin(roll) - above * turning + x * yawing
-    up = (own.gravity + rising) * np.cos(roll) - inwards * np.sin(roll) - own.gravity + y * turning - x * tipping
+    # Of a point of the track, and of the place from there to the point of the body, in axes that do not turn.
+    heading, slope, cants = _slope(time, speed * curvature, -1), -np.arcsin(gradient), -np.arcsin(cant / GAUGE)
+    ahead = Rotation.from_euler("ZY", np.column_stack([heading, slope]))
+    above = Rotation.from_euler("ZX", np.column_stack([heading, cants]))
+    axes = Rotation.from_euler("ZYX", np.column_stack([heading, slope, cants]))
+    axes *= Rotation.from_euler("ZYX", np.column_stack([own.yaw, own.pitch, own.roll]))
+    centre = above.apply(np.column_stack([np.zeros_like(time), own.lateral, own.height + own.bounce]))
+    bends = speed * np.array([speed * curvature, -_slope(time, slope, 1)])
+    moves = ahead.apply(np.vstack([finite(recording, "acceleration"), bends]).T)
+    moves += _slope(time, centre + axes.apply([x, y, z - own.height]), 2)
+    weight = np.array([0.0, 0.0, own.gravity])
+    found = axes.inv().apply(moves + weight) - weight
     units = {"time": "s", "distance": "m"} | dict.fromkeys((f"acceleration_{axis}" for axis in "xyz"), "m/s2")
-    return Recording(units, np.column_stack([time, distance, ahead, aside, up]))
+    return Recording(units, np.column_stack([time, distance, found]))
 
 
 def _place(place: Sequence[float]) -> tuple[float, float, float]:
@@ -128,7 +131,7 @@ def _place(place: Sequence[float]) -> tuple[float, float, float]:
 
 
 def _slope(time: np.ndarray, values: np.ndarray, order: int) -> np.ndarray:
-    """Return a derivative of a column by time."""
+    """Return a derivative of columns by time, of order -1 the integral."""
     from scipy.interpolate import make_interp_spline  # heavy
 
     return np.asarray(make_interp_spline(time, values, min(DEGREE, time.size - 1)).derivative(order)(time))
